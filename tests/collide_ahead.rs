@@ -41,12 +41,14 @@ pub fn trials() -> Vec<Trial> {
         .copied()
         .collect(),
         cloth: ClothPlacement::Host,
+        storage: Storage::F32,
     };
     let sphere = |overrides: &[&'static str]| Scene {
         case: SPHERE,
         variant: Some("quick"),
         overrides: overrides.to_vec(),
         cloth: ClothPlacement::Host,
+        storage: Storage::F32,
     };
     let tunnel = [
         "air.refinement.around=\"nothing\"",
@@ -59,6 +61,23 @@ pub fn trials() -> Vec<Trial> {
         trial(
             "markers",
             canopy(MARKERS, &["resolution.cells_per_diameter=10.0"]),
+        ),
+        trial(
+            "markers_of_fabric_solved_in_every_second_step",
+            canopy(
+                MARKERS,
+                &[
+                    "resolution.cells_per_diameter=10.0",
+                    "coupling.structure_every=2",
+                ],
+            ),
+        ),
+        trial(
+            "markers_in_air_of_16_bits",
+            Scene {
+                storage: Storage::F16,
+                ..canopy(MARKERS, &["resolution.cells_per_diameter=10.0"])
+            },
         ),
         trial("cut_links", canopy(LINKS, &tunnel)),
         trial(
@@ -97,6 +116,7 @@ struct Scene {
     variant: Option<&'static str>,
     overrides: Vec<&'static str>,
     cloth: ClothPlacement,
+    storage: Storage,
 }
 
 impl Scene {
@@ -110,7 +130,7 @@ impl Scene {
 
     fn placement(&self, device: Option<&Device>) -> Placement {
         Placement {
-            air: AirPlacement::Gpu(Storage::F32),
+            air: AirPlacement::Gpu(self.storage),
             cloth: self.cloth,
             device: device.map(|device| device.info().name.clone()),
             shared_memory: true,
@@ -155,7 +175,8 @@ fn state(simulation: &mut Simulation) -> String {
 fn same_bits(scene: &Scene) {
     let mut together = scene.released(false);
     let mut ahead = scene.released(true);
-    let end = together.step_count() + STEPS - STEPS % 2;
+    // All lattices stand at one time then.
+    let end = together.step_count() + STEPS;
     let mut steps_ahead = 0;
     ahead.set_next_reading(end);
     together.set_next_reading(end);
@@ -177,6 +198,7 @@ fn unreadable() {
         variant: Some("quick"),
         overrides: vec!["coupling.scheme=links"],
         cloth: ClothPlacement::Host,
+        storage: Storage::F32,
     };
     let mut simulation = scene.released(true);
     simulation.advance().unwrap();
@@ -204,6 +226,7 @@ fn plans() {
             variant: Some("quick"),
             overrides: overrides.to_vec(),
             cloth: ClothPlacement::Host,
+            storage: Storage::F32,
         };
         let mut placement = scene.placement(None);
         if !on_device {

@@ -314,13 +314,19 @@ struct Misread {
     message: String,
 }
 
-/// Reads a table. Through an erased reader: one that keeps track of paths would else be compiled anew for every table of a case, a twentieth of this library.
+/// Reads a table. Through an erased reader: those of `toml` and of paths would else be compiled anew for every table of a case (5.6 % of this library's LLVM lines).
 fn read_table<T: DeserializeOwned>(table: toml::Table) -> Result<T, Misread> {
     let mut track = serde_path_to_error::Track::new();
     let tracked = serde_path_to_error::Deserializer::new(table, &mut track);
     let mut erased = <dyn erased_serde::Deserializer>::erase(tracked);
     erased_serde::deserialize(&mut erased).map_err(|error| Misread {
-        message: error.to_string().trim_end().to_owned(),
+        // Below its message `toml` says on each level in which table it stands, which the path does.
+        message: error
+            .to_string()
+            .lines()
+            .next()
+            .unwrap_or_default()
+            .to_owned(),
         path: track.path().to_string(),
     })
 }

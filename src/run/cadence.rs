@@ -45,16 +45,15 @@ impl Cadence {
         }
     }
 
-    /// Step after the present one at which the state is read next: for a row, a file, a picture, or at the end. The next picture is drawn at `picture_s`.
-    pub(super) fn next_reading(&self, simulation: &Simulation, picture_s: Option<f64>) -> u64 {
-        let step = simulation.step_count();
+    /// Step after the present one, at `time_s`, at which the state is read next: for a row, a file, a picture, or at the end. The next picture is drawn at `picture_s`.
+    pub(super) fn next_reading(&self, (step, time_s): (u64, f64), picture_s: Option<f64>) -> u64 {
         let since = step - self.origin;
         let others = [self.canopy, self.flow, self.bodies, self.animation];
         let every = (others.into_iter().flatten()).chain([self.sample]);
         let rows_and_files = every.map(|every| self.origin + (since / every + 1) * every);
         // At the earliest: a step before it may be taken for it.
-        let picture = picture_s.map(|time_s| {
-            let left = ((time_s - simulation.time_s()) / self.step_s - 0.5).floor();
+        let picture = picture_s.map(|picture_s| {
+            let left = ((picture_s - time_s) / self.step_s - 0.5).floor();
             step + left.max(1.0) as u64
         });
         let soonest = rows_and_files.chain(picture).min();
@@ -70,6 +69,38 @@ impl Cadence {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Every step after which something is read is told before: rows, files, pictures and the end, also where steps are counted from a change of the lattice.
+    #[test]
+    fn the_next_reading_is_never_late() {
+        let cadence = Cadence {
+            step_s: 0.01,
+            origin: 7,
+            planned: 100,
+            start_steps: 7,
+            sample: 12,
+            canopy: Some(9),
+            flow: None,
+            bodies: Some(50),
+            animation: None,
+        };
+        let time_s = |step: u64| (step - 7) as f64 * cadence.step_s;
+        // As `draw_pictures` has it: the first step within half a step of its time, or after.
+        let picture_s = 0.333;
+        let drawn = (7..).find(|step| time_s(*step) + 0.5 * cadence.step_s >= picture_s);
+        let is_read = |step: u64| {
+            let since = step - 7;
+            let files = since.is_multiple_of(12) || since.is_multiple_of(9) || since == 50;
+            files || Some(step) == drawn || step == 100
+        };
+        for step in 7..100 {
+            let picture = (Some(step) < drawn).then_some(picture_s);
+            let told = cadence.next_reading((step, time_s(step)), picture);
+            let next = (step + 1..=100).find(|step| is_read(*step)).unwrap();
+            assert!(step < told && told <= next, "{step}: {told}, {next}");
+            assert!(told + 1 >= next, "{step}: {told} is early for {next}");
+        }
+    }
 
     /// Steps that grow and shrink: what is done never becomes less, and ends where the run ends.
     #[test]

@@ -1,6 +1,6 @@
 //! Faults of the program itself: a panic ends a run with what can be kept, and with one message.
 //!
-//! Between two steps, before anything of the next one has been sampled, the state is whole, and a checkpoint of it is written. In a step, a
+//! Between two steps, before anything of the next one has been sampled, the state is whole, and a checkpoint of it is written; where a device has begun the next step, after that. In a step, a
 //! sample or a change of the lattice nobody knows how much of the state has been replaced: then the last checkpoint stays as it is.
 
 use std::any::Any;

@@ -1,14 +1,15 @@
 //! Stage `collide_ahead`: a device begins the next step of all cells that the structure does not touch, while the host works on the structure
 //! ([`crate::gpu::fluid`]).
 //!
-//! Until the next `collide_stream` no state of all cells can be read. So it is left out before a step after which somebody reads: the caller, who says when
+//! What the structure does in a step acts on the cells of a box. These wait for it (they are *awaited*), and `collide_stream` does their step once it is known.
+//! Until then no state of all cells can be read. So the stage is left out before a step after which somebody reads: the caller, who says when
 //! ([`Simulation::set_next_reading`]), looks for a flow that breaks down, and the clock of the stages.
 
 use super::{Coupled, Failure, Levels, Simulation};
 use crate::gpu::DeviceError;
 
 impl Simulation {
-    /// Promises that the caller reads nothing of the air before so many steps are done. Without a promise a device never goes ahead.
+    /// The caller will read nothing of the air before so many steps are done (counted as [`Simulation::step_count`] does). If it never says so, a device never goes ahead.
     pub const fn set_next_reading(&mut self, step: u64) {
         self.next_reading = step;
     }

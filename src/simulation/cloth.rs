@@ -280,8 +280,10 @@ impl Simulation {
         if outcome.is_none_or(|outcome| outcome.stop != Stop::NotFinite) {
             return Ok(());
         }
-        // The fabric often only feels what the air has become.
-        self.look()?;
+        // The fabric often only feels what the air has become; cells that are ahead cannot be looked at.
+        if !self.is_ahead() {
+            self.look()?;
+        }
         let node = self
             .cloth
             .as_ref()

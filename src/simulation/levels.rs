@@ -228,9 +228,9 @@ impl Levels {
         markers: Option<&MarkerEngine>,
     ) -> Result<(), DeviceError> {
         let finest = self.finest_mut();
-        let is_ahead = finest.is_ahead();
+        let was_ahead = finest.is_ahead();
         finest.collide_stream(acceleration, markers)?;
-        if !is_ahead {
+        if !was_ahead {
             // A device works on it while the host prepares what comes next. Few cells may wait for that.
             finest.submit();
         }
@@ -274,6 +274,8 @@ impl Levels {
         for (tie, inner) in &mut self.boxes {
             tie.exchange(&mut self.engine, &mut inner.engine)?;
         }
+        // A device works on it while the host looks for links.
+        self.engine.submit();
         self.in_between = false;
         Ok(true)
     }

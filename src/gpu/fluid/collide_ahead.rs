@@ -10,13 +10,14 @@ use crate::gpu::error::DeviceError;
 
 impl Fluid {
     /// Advances all cells but those from `awaited[0]` to before `awaited[1]` by a step, without uniform acceleration and under the same forces as these, which feel them alone. [`Fluid::collide_stream`]
-    /// is to follow, and until then nothing may be read but in that box. False, and nothing is done, where the box comes too near to a face, or the device does not know yet
+    /// is to follow, and until then nothing may be read but in that box. False, and nothing is done, where the box comes too near to a face or holds too many cells, or the device does not know yet
     /// how long a step takes.
     pub fn collide_ahead(
         &mut self,
         forces: Option<&ForceBox>,
         awaited: [[i32; 3]; 2],
     ) -> Result<bool, DeviceError> {
+        self.check_readable()?;
         let Some(awaited) = Awaited::new(awaited, self.setup.cells).filter(|_| self.is_timed())
         else {
             return Ok(false);
@@ -43,17 +44,24 @@ impl Fluid {
         let stride_y = self.grid.stride_y as u32;
         let mut parameters = self.step_parameters_of();
         awaited.put(IN_BOX, &mut parameters);
-        parameters.first_plane = awaited.first[2];
         // A ghost stands before the first row.
         parameters.first_element = (awaited.first[1] + 1) * stride_y;
-        self.device.write(&self.step_parameters, 0, &[parameters]);
         let groups = (rows * stride_y).div_ceil(self.device.tuning().workgroup);
-        let mut commands = self.device.record("collide_awaited");
-        {
-            let mut pass = commands.pass("collide_awaited");
-            bound.dispatch(&mut pass, [groups, planes]);
+        let rows_of_all = self.setup.cells[1] as f64;
+        let mut done = 0;
+        while done < planes {
+            let at_once = (self.planes_at_once() as f64 * rows_of_all / f64::from(rows)) as u32;
+            let count = at_once.clamp(1, planes - done);
+            parameters.first_plane = awaited.first[2] + done;
+            self.device.write(&self.step_parameters, 0, &[parameters]);
+            let mut commands = self.device.record("collide_awaited");
+            {
+                let mut pass = commands.pass("collide_awaited");
+                bound.dispatch(&mut pass, [groups, count]);
+            }
+            self.leave_if_short(commands, f64::from(count * rows) / rows_of_all);
+            done += count;
         }
-        self.device.leave(commands);
         self.device.check()
     }
 

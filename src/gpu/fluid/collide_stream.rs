@@ -183,12 +183,7 @@ impl Fluid {
     /// also compile, or find a device still asleep, take longer.
     fn submit_timed(&mut self, commands: Commands, planes: usize) -> Result<(), DeviceError> {
         if self.is_timed() {
-            let takes = self.plane_time.unwrap_or_default() * planes as u32;
-            if takes <= self.device.tuning().longest_left {
-                self.device.leave(commands);
-            } else {
-                self.device.submit(commands);
-            }
+            self.leave_if_short(commands, planes as f64);
             return self.device.check();
         }
         self.device.wait()?;
@@ -199,6 +194,16 @@ impl Fluid {
         self.plane_time = Some(self.plane_time.map_or(now, |best| best.min(now)));
         self.timed_submissions += 1;
         Ok(())
+    }
+
+    /// Leaves what works on so many planes to the next submission, where that takes a short time.
+    pub(super) fn leave_if_short(&self, commands: Commands, planes: f64) {
+        let takes = self.plane_time.unwrap_or_default().mul_f64(planes);
+        if takes <= self.device.tuning().longest_left {
+            self.device.leave(commands);
+        } else {
+            self.device.submit(commands);
+        }
     }
 
     fn bind_forces(&mut self, forces: &ForceBox) -> Result<(), DeviceError> {

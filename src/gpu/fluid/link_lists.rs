@@ -159,7 +159,8 @@ impl List {
             Some((room.staging.as_ref()?, submitted))
         });
         let Some((staging, submitted)) = asked else {
-            return Ok(());
+            let what = format!("{} is fetched before it is asked for", self.name);
+            return Err(DeviceError::Command(what));
         };
         let bytes = 4 * count as u64;
         staging.read_of(device, submitted, bytes, |bytes| {

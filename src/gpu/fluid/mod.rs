@@ -375,6 +375,7 @@ impl Fluid {
     /// Takes them from a checkpoint of the same grid.
     pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
         let counters: Vec<u64> = from.take_exactly("air_steps", 2)?;
+        self.awaited = None;
         self.steps = counters[0];
         self.odd = counters[1] == 1;
         self.inlet_velocity

@@ -34,9 +34,14 @@ impl Immersed {
 
     /// Stage `fetch_air_velocities`: u* and a_k to the host. Waits for nothing that was submitted after the last `interpolate`.
     pub fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
-        let Some(submitted) = self.submitted.take().filter(|_| !self.order.is_empty()) else {
+        if self.order.is_empty() {
             return self.device.check();
+        }
+        let not_asked = || {
+            let what = "velocities at markers are fetched before they are asked for";
+            DeviceError::Command(what.to_owned())
         };
+        let submitted = self.submitted.take().ok_or_else(not_asked)?;
         let (air_velocities, strengths) = (&mut self.air_velocities, &mut self.strengths);
         let bytes = 16 * self.order.len() as u64;
         self.staging

@@ -87,7 +87,8 @@ impl Run<'_> {
                 true => 0,
                 false => {
                     let picture_s = picture_times.get(self.files.timed_pictures).copied();
-                    cadence.next_reading(&self.simulation, picture_s)
+                    let now = (self.simulation.step_count(), self.simulation.time_s());
+                    cadence.next_reading(now, picture_s)
                 }
             };
             self.simulation.set_next_reading(next_reading);
