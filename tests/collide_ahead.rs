@@ -22,6 +22,15 @@ const MARKERS: &str = include_str!("../benches/uniform-canopy.toml");
 const LINKS: &str = include_str!("../cases/flat-circular-tunnel.toml");
 const SPHERE: &str = include_str!("../cases/sphere.toml");
 
+/// The canopy that cuts links in a small tunnel of equal cells.
+pub const SMALL_TUNNEL: [&str; 5] = [
+    "air.refinement.around=\"nothing\"",
+    "air.wind_tunnel.size_m=[2.991, 1.9, 1.9]",
+    "air.wind_tunnel.sponge_length_m=0.4",
+    "structure.flat_circular.confluence_m=[1.0, 0.95, 0.95]",
+    "resolution.cells_per_diameter=8.0",
+];
+
 pub fn trials() -> Vec<Trial> {
     let trial = |name: &str, scene: Scene| {
         needs_device(format!("collide_ahead::{name}_on_a_device"), move || {
@@ -50,13 +59,6 @@ pub fn trials() -> Vec<Trial> {
         cloth: ClothPlacement::Host,
         storage: Storage::F32,
     };
-    let tunnel = [
-        "air.refinement.around=\"nothing\"",
-        "air.wind_tunnel.size_m=[2.991, 1.9, 1.9]",
-        "air.wind_tunnel.sponge_length_m=0.4",
-        "structure.flat_circular.confluence_m=[1.0, 0.95, 0.95]",
-        "resolution.cells_per_diameter=8.0",
-    ];
     let mut trials = vec![
         trial(
             "markers",
@@ -79,12 +81,12 @@ pub fn trials() -> Vec<Trial> {
                 ..canopy(MARKERS, &["resolution.cells_per_diameter=10.0"])
             },
         ),
-        trial("cut_links", canopy(LINKS, &tunnel)),
+        trial("cut_links", canopy(LINKS, &SMALL_TUNNEL)),
         trial(
             "cut_links_with_fabric",
             Scene {
                 cloth: ClothPlacement::Device,
-                ..canopy(LINKS, &tunnel)
+                ..canopy(LINKS, &SMALL_TUNNEL)
             },
         ),
         trial(
@@ -191,7 +193,7 @@ fn same_bits(scene: &Scene) {
     assert!(state(&mut ahead) == state(&mut together));
 }
 
-/// While cells are ahead nobody reads a state that no instant had; a promise is no more than that, and the run goes on after it.
+/// While cells are ahead the air cannot be read. A device goes ahead only where the caller has said when it reads next, and the run can catch up at any time.
 fn unreadable() {
     let scene = Scene {
         case: SPHERE,
@@ -202,7 +204,10 @@ fn unreadable() {
     };
     let mut simulation = scene.released(true);
     simulation.advance().unwrap();
-    assert!(!simulation.is_ahead(), "without a promise");
+    assert!(
+        !simulation.is_ahead(),
+        "nobody said when the air is read next"
+    );
     simulation.set_next_reading(u64::MAX);
     for _ in 0..STEPS {
         simulation.advance().unwrap();

@@ -16,6 +16,7 @@ use ripstop::lattice::{Operator, Storage};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Stage};
 use ripstop::simulation::Simulation;
 
+use crate::collide_ahead::SMALL_TUNNEL;
 use crate::command_line::{program, root};
 use crate::engines::needs_device;
 
@@ -185,15 +186,8 @@ fn left_to_the_host() {
 /// With fabric on the host that cuts links a step of the finest cells asks for two submits and one map; a step of coarser cells around them for one submit more: what
 /// nobody waits for goes along with what is submitted next.
 fn step_with_links() {
-    let tunnel = [
-        "air.refinement.around=\"nothing\"",
-        "air.wind_tunnel.size_m=[2.991, 1.9, 1.9]",
-        "air.wind_tunnel.sponge_length_m=0.4",
-        "structure.flat_circular.confluence_m=[1.0, 0.95, 0.95]",
-        "resolution.cells_per_diameter=8.0",
-    ];
     let boxes = ["resolution.cells_per_diameter=12.0"];
-    for (around, overrides) in [("nothing", &tunnel[..]), ("structure", &boxes)] {
+    for (around, overrides) in [("nothing", &SMALL_TUNNEL[..]), ("structure", &boxes)] {
         let (mut simulation, stages, _) = released(LINKS, overrides, ClothPlacement::Host);
         let asked = |simulation: &Simulation| {
             let of = |stage: &Stage| simulation.cost().of(*stage).device;

@@ -148,8 +148,8 @@ fn one(
     wait()?;
     let set_up_s = start.elapsed().as_secs_f64();
     let (cost, work) = (*simulation.cost(), device.work());
-    // Nobody reads the air meanwhile, as in most steps of a run.
-    simulation.set_next_reading(u64::MAX);
+    // Nobody reads the air before the last of them, as in most steps of a run.
+    simulation.set_next_reading(simulation.step_count() + u64::from(timed));
     let start = Instant::now();
     for _ in 0..timed {
         simulation.advance_among_threads()?;
@@ -158,7 +158,6 @@ fn one(
     let milliseconds = 1e3 * start.elapsed().as_secs_f64() / f64::from(timed);
     let work = device.work().since(&work);
     let evaluations = (simulation.cost().evaluations - cost.evaluations) as f64 / f64::from(timed);
-    simulation.catch_up()?;
     let mut record = Record::new(&simulation);
     record.add(&mut simulation)?;
     let diameter = record.latest(&PROJECTED_DIAMETER_RATIO);
