@@ -20,8 +20,8 @@ const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 /// Usual over-relaxation of the force.
 const OVER_RELAXATION: f64 = 1.6;
 
-/// Cells across an opening below which air passes it by a law. From there on holes pass what they should within 15 %, slots up to 30 % more (`ripstop validate openings`).
-const NARROW_CELLS: f64 = 2.0;
+/// Cells across holes, and across gaps and slots, below which air passes them by a law. From there on they pass what they should within 15 % (`ripstop validate openings`).
+pub const NARROW_CELLS: [f64; 2] = [2.0, 3.0];
 
 /// Most passes of forcing.
 const PASSES_LIMIT: u32 = 20;
@@ -54,11 +54,13 @@ impl Coupling {
     #[must_use]
     pub fn covers(&self, structure: &Structure, cell_size_m: f64) -> Vec<Option<Vec<Cover>>> {
         let is_narrow = |opening: &Opening| {
-            let by_kind = matches!(
-                opening.kind,
-                OpeningKind::Vent | OpeningKind::Gap | OpeningKind::Slot
-            );
-            by_kind && opening.width_m < NARROW_CELLS * cell_size_m
+            let cells = match opening.kind {
+                OpeningKind::Vent => NARROW_CELLS[0],
+                OpeningKind::Gap | OpeningKind::Slot => NARROW_CELLS[1],
+                // Before an intake the pressure changes within a cell: what cells let in is nearer to finer lattices.
+                OpeningKind::Intake | OpeningKind::RibHole => return false,
+            };
+            opening.width_m < cells * cell_size_m
         };
         let openings = structure.openings.iter();
         if self.narrow_openings != Some(NarrowOpenings::Law) || !openings.clone().any(is_narrow) {

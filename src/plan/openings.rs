@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::Scene;
-use crate::case::coupling::Scheme;
+use crate::case::coupling::{NARROW_CELLS, NarrowOpenings, Scheme};
 use crate::case::scene::{Opening, OpeningKind};
 use crate::immersed::markers;
 
@@ -85,6 +85,15 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let mut all = openings.iter().zip(&covers);
         all.any(|(known, covers)| std::ptr::eq(known, opening) && covers.is_some())
     };
+    let by_law =
+        scene.coupling.as_ref().and_then(|c| c.narrow_openings) == Some(NarrowOpenings::Law);
+    if by_law && covers.iter().all(Option::is_none) {
+        writeln!(
+            out,
+            "  narrow openings     none: no vent is below {} cells, no gap or slot below {}; coupling.narrow_openings = \"law\" changes nothing",
+            NARROW_CELLS[0], NARROW_CELLS[1]
+        )?;
+    }
     for group in groups(openings) {
         let opening = group.narrowest;
         let what = if is_counted(opening.kind) {
@@ -109,11 +118,14 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             }
             Some((cells, _)) if by_links => {
                 let is_slot = !matches!(opening.kind, OpeningKind::Vent | OpeningKind::RibHole);
+                let of_wing = matches!(opening.kind, OpeningKind::Intake | OpeningKind::RibHole);
                 let judged = if cells >= SMALLEST_CUT_CELLS[usize::from(is_slot)] {
                     "passes what it should within 15 %"
-                } else if cells >= SMALLEST_CUT_CELLS[0] {
+                } else if cells >= SMALLEST_CUT_CELLS[0] && of_wing {
                     "its jets lean to one side: it passes up to 30 % more than it should"
-                } else if matches!(opening.kind, OpeningKind::Intake | OpeningKind::RibHole) {
+                } else if cells >= SMALLEST_CUT_CELLS[0] {
+                    "its jets lean to one side: it passes up to 30 % more than it should (coupling.narrow_openings)"
+                } else if of_wing {
                     "too narrow: it passes less than it should"
                 } else {
                     "too narrow for cells: it passes less than it should (coupling.narrow_openings)"

@@ -10,7 +10,7 @@
 //! ([`markers::opening_inset_cells`]), holes of one to six cells pass the right amount. Wider ones pass more, as rounded holes do: the kernel
 //! smooths the edge that the jet would leave, and narrows it less.
 //!
-//! A plate that cuts links has no insets. Openings below two cells are also computed with the law of narrow ones ([`crate::cut_links::through`]), in a duct of eight cells.
+//! A plate that cuts links has no insets. Holes below two cells and slots below three are also computed with the law of narrow ones ([`crate::cut_links::through`]), in a duct of eight cells or more.
 
 use glam::DVec3;
 
@@ -53,8 +53,9 @@ const DUCT_OF_SLOT: f64 = 4.0;
 const HOLES_CELLS: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
 const SLOTS_CELLS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 
-/// Widths that have the law of narrow openings [cells], those of the quick set first, and the least width of their duct [cells].
-const NARROW_CELLS: [f64; 4] = [0.5, 1.0, 0.25, 1.5];
+/// Widths of holes and of slots that have the law of narrow openings [cells], those of the quick set first, and the least width of their duct [cells].
+const NARROW_HOLES_CELLS: [f64; 4] = [0.5, 1.0, 0.25, 1.5];
+const NARROW_SLOTS_CELLS: [f64; 7] = [0.5, 1.0, 0.25, 1.5, 2.0, 2.5, 2.75];
 const DUCT_OF_NARROW_CELLS: f64 = 8.0;
 
 /// Cells along a slot: the jet may sway in three dimensions.
@@ -183,11 +184,11 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
             }
         }
     }
-    let narrow = session.size(&NARROW_CELLS[..2], &NARROW_CELLS);
-    for (is_slot, &width) in [false, true]
-        .iter()
-        .flat_map(|is_slot| narrow.iter().map(move |w| (*is_slot, w)))
-    {
+    let holes = session.size(&NARROW_HOLES_CELLS[..2], &NARROW_HOLES_CELLS);
+    let slots = session.size(&NARROW_SLOTS_CELLS[..2], &NARROW_SLOTS_CELLS);
+    let holes = holes.iter().map(|&width| (width, false));
+    let slots = slots.iter().map(|&width| (width, true));
+    for (width, is_slot) in holes.chain(slots) {
         for offset in &OFFSETS[..offsets] {
             let opening = Opening {
                 wall: Wall::CutWithLaw,

@@ -35,7 +35,7 @@ pub struct Coupling {
     /// Largest distance of neighbouring markers, 0.25 to 1.5 [cells]; 1 if absent. Insets were calibrated with 1; the farther apart, the
     /// lower the drag (`ripstop validate marker-spacing`).
     pub marker_spacing_cells: Option<f64>,
-    /// How vents, gaps and slots narrower than two cells pass air, only with `scheme = "links"` and fabric; `"cells"` if absent (docs/cut-links.md#narrow-openings).
+    /// How vents narrower than two cells, and gaps and slots narrower than three, pass air, only with `scheme = "links"` and fabric; `"cells"` if absent (docs/cut-links.md#narrow-openings).
     pub narrow_openings: Option<NarrowOpenings>,
     /// Multiplies the masses of the structure, to study light and heavy sheets; 1 if absent.
     pub mass_factor: Option<f64>,
@@ -54,7 +54,7 @@ pub enum Scheme {
     Links,
 }
 
-/// How openings narrower than two cells pass air.
+/// How vents narrower than two cells, and gaps and slots narrower than three, pass air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NarrowOpenings {
