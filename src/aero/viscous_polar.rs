@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::AeroError;
 use super::polar::{Polar, PolarPoint};
-use super::section::{Conditions, Section, SectionState};
+use super::section::{Conditions, Section, SectionError, SectionState};
 
 /// Panels around a section.
 const PANELS: usize = 160;
@@ -55,9 +55,29 @@ pub fn viscous_polar(
         Section::new(&opened(outline), PANELS).map_err(|why| AeroError::Polar(why.to_string()))?;
     let [from, to] = ANGLES_DEG;
     let angles: Vec<f64> = (from..=to).map(|a| f64::from(a).to_radians()).collect();
-    let found = section.polar(&angles, conditions);
+    let found = section.polar_while(&angles, conditions, goes_on);
+    let (states, stalls) = kept(&found, conditions)?;
+    let points = states.iter().map(|state| PolarPoint {
+        angle_rad: state.angle_rad,
+        lift: state.lift,
+        drag: state.drag + more_drag,
+        moment: Some(state.moment_quarter_chord),
+    });
+    Ok(ViscousPolar {
+        polar: Polar::new(points.collect())?,
+        stalls,
+        states,
+    })
+}
+
+/// The states that make a polar, of those at [`ANGLES_DEG`], and whether it reaches beyond the highest lift.
+fn kept(
+    found: &[Result<SectionState, SectionError>],
+    conditions: &Conditions,
+) -> Result<(Vec<SectionState>, bool), AeroError> {
+    let [from, to] = ANGLES_DEG;
     let all: Vec<(i32, &SectionState)> = (from..=to)
-        .zip(&found)
+        .zip(found)
         .filter_map(|(degrees, state)| Some((degrees, state.as_ref().ok()?)))
         .collect();
     let by_lift = |a: &&(i32, &SectionState), b: &&(i32, &SectionState)| {
@@ -66,7 +86,7 @@ pub fn viscous_polar(
     let Some(middle) = all.iter().min_by(by_lift).map(|(degrees, _)| *degrees) else {
         // That of the angle which was tried first tells most.
         let mut errors: Vec<(i32, String)> = (from..=to)
-            .zip(&found)
+            .zip(found)
             .filter_map(|(degrees, state)| Some((degrees, state.as_ref().err()?.to_string())))
             .collect();
         errors.sort_by_key(|(degrees, _)| degrees.abs());
@@ -93,17 +113,7 @@ pub fn viscous_polar(
             conditions.reynolds
         )));
     }
-    let points = states.iter().map(|state| PolarPoint {
-        angle_rad: state.angle_rad,
-        lift: state.lift,
-        drag: state.drag + more_drag,
-        moment: Some(state.moment_quarter_chord),
-    });
-    Ok(ViscousPolar {
-        polar: Polar::new(points.collect())?,
-        stalls,
-        states,
-    })
+    Ok((states, stalls))
 }
 
 /// An outline whose trailing edge is open by at least [`OPENING`], by shear.
@@ -127,6 +137,25 @@ fn opened(outline: &[DVec2]) -> Vec<DVec2> {
     outline.iter().enumerate().map(moved).collect()
 }
 
+/// Whether angles farther out than these may be kept, one degree apart from the zero of the lift without viscosity outwards; with viscosity it may lie some degrees farther out.
+fn goes_on(outwards: &[Option<&SectionState>]) -> bool {
+    let found = || {
+        let places = outwards.iter().enumerate();
+        places.filter_map(|(place, state)| Some((place, (*state)?.lift.abs())))
+    };
+    let least = found().min_by(|a, b| a.1.total_cmp(&b.1));
+    let middle = least.map_or(0, |(place, _)| place);
+    let (mut last, mut highest) = (middle, (middle, 0.0));
+    for (place, lift) in found().skip_while(|(place, _)| *place < middle) {
+        last = place;
+        if lift >= highest.1 {
+            highest = (place, lift);
+        }
+    }
+    let next = outwards.len();
+    next <= last + LONGEST_GAP as usize + 1 && next <= highest.0 + BEYOND_STALL as usize
+}
+
 /// Angles from the middle outwards that are kept, and whether they go beyond the highest lift, or the lowest.
 fn branch<'a>(outwards: &[(i32, &'a SectionState)], middle: i32) -> (Vec<&'a SectionState>, bool) {
     let mut kept: Vec<&SectionState> = Vec::new();
@@ -148,6 +177,42 @@ fn branch<'a>(outwards: &[(i32, &'a SectionState)], middle: i32) -> (Vec<&'a Sec
 mod tests {
     use super::*;
     use crate::geometry::profile::Profile;
+
+    /// What is left out of a sweep would not have been kept: with edges that are turned up and down, whose lift vanishes some degrees from where it does without viscosity, too.
+    #[test]
+    fn nothing_is_left_out_that_is_kept() {
+        let angles = (ANGLES_DEG[0]..=ANGLES_DEG[1]).map(|a| f64::from(a).to_radians());
+        let angles: Vec<f64> = angles.collect();
+        for (profile, turn_deg, reynolds) in
+            [("2417", -8.0, 1e6), ("2417", 24.0, 1e6), ("9412", 0.0, 2e5)]
+        {
+            let down = |x: f64| f64::to_radians(turn_deg).tan() * (x - 0.75).max(0.0);
+            let outline: Vec<DVec2> = Profile::naca(profile)
+                .unwrap()
+                .resampled(100)
+                .iter()
+                .map(|p| *p - DVec2::Y * down(p.x))
+                .collect();
+            let conditions = Conditions {
+                reynolds,
+                critical_amplification: 9.0,
+                forced_transition: [Some(0.05), None],
+            };
+            let section = Section::new(&opened(&outline), PANELS).unwrap();
+            let of = |found: &[Result<SectionState, SectionError>]| {
+                let (states, stalls) = kept(found, &conditions).unwrap();
+                let lifts: Vec<f64> = states.iter().map(|state| state.lift).collect();
+                (lifts, stalls)
+            };
+            let whole = of(&section.polar(&angles, &conditions));
+            let left_out = of(&section.polar_while(&angles, &conditions, goes_on));
+            assert_eq!(whole, left_out, "{profile}, {turn_deg} degrees");
+            assert!(
+                whole.0.len() > 12,
+                "{profile}, {turn_deg} degrees: {whole:?}"
+            );
+        }
+    }
 
     /// A section that NACA measured: slope, least drag and highest lift of 23012 (TR 824, smooth, 6e6: 0.105 per degree, 0.0061, 1.76), and a polar that ends beyond its stall.
     #[test]

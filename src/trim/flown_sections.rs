@@ -168,9 +168,15 @@ impl SectionSettings {
     ) -> Result<&Member, AeroError> {
         let cell = &self.computed[number][nose as usize][turn];
         let turn_rad = TURNS_DEG[turn].to_radians();
-        cell.get_or_init(|| self.compute(&profiles[number], (number, nose), turn_rad))
-            .as_ref()
-            .map_err(Clone::clone)
+        // Not within the cell's lock: a polar is computed on several threads, one of which may come for this one.
+        let computed = match cell.get() {
+            Some(known) => known,
+            None => {
+                let computed = self.compute(&profiles[number], (number, nose), turn_rad);
+                cell.get_or_init(|| computed)
+            }
+        };
+        computed.as_ref().map_err(Clone::clone)
     }
 
     fn compute(

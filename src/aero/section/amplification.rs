@@ -38,14 +38,19 @@ fn rate_of(state: &State, air: &Air) -> Dual {
     rate(h, state.theta, state.momentum_reynolds(air))
 }
 
-/// Mean rate between two states, from their rates and exponents.
-fn mean_rate(a: &State, b: &State, [rate_a, rate_b]: [Dual; 2], n: [Dual; 2], air: &Air) -> Dual {
+/// Root mean square of the rates of two states.
+fn mean_of([rate_a, rate_b]: [Dual; 2]) -> Dual {
     let square = 0.5 * (rate_a.square() + rate_b.square());
-    let mean = if square.value > 0.0 {
+    if square.value > 0.0 {
         square.sqrt()
     } else {
         square
-    };
+    }
+}
+
+/// Mean rate between two states, from their rates and exponents.
+fn mean_rate(a: &State, b: &State, rates: [Dual; 2], n: [Dual; 2], air: &Air) -> Dual {
+    let mean = mean_of(rates);
     let left = 20.0 * (air.critical - 0.5 * (n[0] + n[1]));
     let near = if left.value <= 0.0 {
         Dual::constant(1.0)
@@ -112,12 +117,17 @@ pub fn follow(from: &Station, to: &Station, air: &Air) -> Growth {
         let place = transition_place(&a, &b, air).value;
         return Growth::Transition((place - from.place) / (to.place - from.place));
     }
-    let rates = [rate_of(&a, air), rate_of(&b, air)];
+    // The mean rate without derivatives.
+    let mean = mean_of([rate_of(&a, air), rate_of(&b, air)]).value;
+    let per_thickness = 1.0 / (from.theta + to.theta);
+    let rate = |n: f64| {
+        let left = 20.0 * (air.critical - 0.5 * (from.shear + n));
+        mean + (-left).clamp(-50.0, 0.0).exp() * 0.002 * per_thickness
+    };
     let (mut low, mut high) = (from.shear, air.critical);
     for _ in 0..45 {
         let middle = 0.5 * (low + high);
-        let n = [a.shear, Dual::constant(middle)];
-        let grown = from.shear + mean_rate(&a, &b, rates, n, air).value * (to.place - from.place);
+        let grown = from.shear + rate(middle) * (to.place - from.place);
         if grown > middle {
             low = middle;
         } else {

@@ -5,6 +5,10 @@
 //! in attached and in separated flow: Drela & Giles 1987). What remains is dense and small: the speeds have to be those of the potential flow with the
 //! masses as sources, u = u₀ + D m. This is our own elimination in place of XFOIL's block solver; the step is the same exact Newton step.
 //! Steps are shortened so that thicknesses change moderately; stress changes by a factor, as its equation is one for ln s.
+//!
+//! A station knows nothing of the masses downstream of it and on the other side, so that half of all coefficients are zero and are not stored.
+
+use std::ops::Range;
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -20,14 +24,37 @@ const STEPS: usize = 60;
 /// Largest residual of a solution; the layers' are relative, the speeds' refer to the stream.
 pub const TOLERANCE: f64 = 1e-7;
 
-/// Linear function of all masses' changes, the stagnation point's shift, and one.
-type Row = Vec<f64>;
+/// Linear function of the changes of some stations' masses, of the stagnation point's shift, and of one.
+#[derive(Debug, Clone, Default)]
+struct Row {
+    masses: Vec<f64>,
+    shift: f64,
+    one: f64,
+}
 
-/// Changes at a station.
+/// Changes at a station, by the masses of these stations.
 struct Rows {
+    stations: Range<usize>,
     theta: Row,
     shear: Row,
     speed: Row,
+}
+
+impl Row {
+    /// Of so many masses, zero.
+    fn zero(masses: usize) -> Self {
+        Self {
+            masses: vec![0.0; masses],
+            shift: 0.0,
+            one: 0.0,
+        }
+    }
+
+    /// Its value for changes of all masses, and a shift.
+    fn at(&self, stations: &Range<usize>, masses: &[f64], shift: f64) -> f64 {
+        let terms = self.masses.iter().zip(&masses[stations.clone()]);
+        terms.map(|(a, b)| a * b).sum::<f64>() + self.shift * shift + self.one
+    }
 }
 
 /// Changes of all quantities.
@@ -75,14 +102,6 @@ pub fn solve(setting: &Setting<'_>, layers: &mut Layers) -> Outcome {
         residual,
         steps: done,
     }
-}
-
-/// Row of δ* from those of u and the mass: u dδ* = dm − δ* du.
-fn displacement_row(layers: &Layers, station: usize, speed: &Row) -> Row {
-    let factor = layers.displacement[station] / layers.speed[station];
-    let mut row: Row = speed.iter().map(|v| -factor * v).collect();
-    row[station] += 1.0 / layers.speed[station];
-    row
 }
 
 /// Newton step and the largest residual before it.
@@ -139,7 +158,6 @@ fn interval(
     station: usize,
     largest: &mut f64,
 ) -> Option<Rows> {
-    let count = setting.stations();
     let to: Station = layers.station(setting, station);
     let from = before.map_or(to, |(b, _)| layers.station(setting, b));
     let equations = residuals(kind, &from, &to, &setting.air);
@@ -159,37 +177,117 @@ fn interval(
     }
     let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let inverse = solve_3(matrix, identity)?;
-    let previous = before.map(|(b, rows)| (rows, displacement_row(layers, b, &rows.speed)));
     // ξ grows with the stagnation point's place on the lower side and shrinks on the upper.
     let towards = -layers.sign(station);
-    let sides: Vec<Row> = equations
-        .iter()
-        .map(|r| {
-            let mut side = vec![0.0; count + 2];
-            if let Some((rows, displacement)) = &previous {
-                for k in 0..count + 2 {
-                    side[k] = -(r.slopes[0] * rows.theta[k]
-                        + r.slopes[1] * displacement[k]
-                        + r.slopes[2] * rows.shear[k]
-                        + r.slopes[3] * rows.speed[k]);
-                }
-            }
-            side[station] -= r.slopes[6] / to.speed;
-            side[count] -= towards * (r.slopes[4] + r.slopes[9]);
-            side[count + 1] -= r.value;
-            side
-        })
-        .collect();
-    let combined = |weights: [f64; 3]| -> Row {
-        (0..count + 2)
-            .map(|k| weights[0] * sides[0][k] + weights[1] * sides[1][k] + weights[2] * sides[2][k])
-            .collect()
+    let mut own = [0.0; 3];
+    let mut shift = [0.0; 3];
+    let mut one = [0.0; 3];
+    for (k, r) in equations.iter().enumerate() {
+        own[k] = -r.slopes[6] / to.speed;
+        shift[k] = -towards * (r.slopes[4] + r.slopes[9]);
+        one[k] = -r.value;
+    }
+    let Some((b, rows)) = before else {
+        let row = |weights: [f64; 3]| Row {
+            masses: vec![weighted(weights, own)],
+            shift: weighted(weights, shift),
+            one: weighted(weights, one),
+        };
+        return Some(Rows {
+            stations: station..station + 1,
+            theta: row(inverse[0]),
+            shear: row(inverse[1]),
+            speed: row(inverse[2]),
+        });
+    };
+    // What changes of θ, δ*, s and u before give to the three sides. u dδ* = dm − δ* du.
+    let gives = equations.map(|r| [r.slopes[0], r.slopes[1], r.slopes[2], r.slopes[3]]);
+    let thickness = -layers.displacement[b] / layers.speed[b];
+    let side = |[theta, displacement, shear, speed]: [f64; 4]| {
+        gives.map(|[a, b, c, d]| -(a * theta + b * displacement + c * shear + d * speed))
+    };
+    let [theta, shear, speed] = [&rows.theta, &rows.shear, &rows.speed];
+    for (sum, of) in [
+        (
+            &mut shift,
+            [
+                theta.shift,
+                thickness * speed.shift,
+                shear.shift,
+                speed.shift,
+            ],
+        ),
+        (
+            &mut one,
+            [theta.one, thickness * speed.one, shear.one, speed.one],
+        ),
+    ] {
+        for (sum, side) in sum.iter_mut().zip(side(of)) {
+            *sum += side;
+        }
+    }
+    let stations = rows.stations.start.min(station)..rows.stations.end.max(station + 1);
+    let mut masses = [(); 3].map(|()| vec![0.0; stations.len()]);
+    let first = rows.stations.start - stations.start;
+    let among = first..first + rows.stations.len();
+    let before = [&theta.masses[..], &shear.masses, &speed.masses];
+    let after = masses.each_mut().map(|row| &mut row[among.clone()]);
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || carried_on(before, after, (&gives, thickness), &inverse),
+    );
+    let k = b - rows.stations.start;
+    let displacement = thickness * speed.masses[k] + 1.0 / layers.speed[b];
+    let at_before = side([
+        theta.masses[k],
+        displacement,
+        shear.masses[k],
+        speed.masses[k],
+    ]);
+    for (row, weights) in masses.iter_mut().zip(inverse) {
+        row[first + k] = weighted(weights, at_before);
+        row[station - stations.start] = weighted(weights, own);
+    }
+    let [theta, shear, speed] = masses;
+    let row = |masses: Vec<f64>, weights: [f64; 3]| Row {
+        masses,
+        shift: weighted(weights, shift),
+        one: weighted(weights, one),
     };
     Some(Rows {
-        theta: combined(inverse[0]),
-        shear: combined(inverse[1]),
-        speed: combined(inverse[2]),
+        stations,
+        theta: row(theta, inverse[0]),
+        shear: row(shear, inverse[1]),
+        speed: row(speed, inverse[2]),
     })
+}
+
+fn weighted([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> f64 {
+    a * x + b * y + c * z
+}
+
+/// Coefficients of θ, s and u behind an interval from those before it; of δ* before it, `thickness` times those of u.
+#[inline(always)]
+fn carried_on(
+    [theta, shear, speed]: [&[f64]; 3],
+    [new_theta, new_shear, new_speed]: [&mut [f64]; 3],
+    (gives, thickness): (&[[f64; 4]; 3], f64),
+    inverse: &[[f64; 3]; 3],
+) {
+    let count = theta.len();
+    let (shear, speed) = (&shear[..count], &speed[..count]);
+    let (new_theta, new_shear) = (&mut new_theta[..count], &mut new_shear[..count]);
+    let new_speed = &mut new_speed[..count];
+    for k in 0..count {
+        let displacement = thickness * speed[k];
+        let mut sides = [0.0; 3];
+        for (side, [a, b, c, d]) in sides.iter_mut().zip(gives) {
+            *side = -(a * theta[k] + b * displacement + c * shear[k] + d * speed[k]);
+        }
+        new_theta[k] = weighted(inverse[0], sides);
+        new_shear[k] = weighted(inverse[1], sides);
+        new_speed[k] = weighted(inverse[2], sides);
+    }
 }
 
 /// Rows of the wake's first station, where both sides meet.
@@ -200,61 +298,70 @@ fn join(
     largest: &mut f64,
 ) -> Option<Rows> {
     let nodes = setting.nodes();
-    let count = setting.stations();
     let edges = [0, nodes - 1];
     let sides = [rows[0].as_ref()?, rows[nodes - 1].as_ref()?];
     let target = layers.join(setting);
     let [theta, displacement, shear] = target;
     let mut result = Rows {
-        theta: vec![0.0; count + 2],
-        shear: vec![0.0; count + 2],
-        speed: vec![0.0; count + 2],
+        stations: 0..nodes + 1,
+        theta: Row::zero(nodes + 1),
+        shear: Row::zero(nodes + 1),
+        speed: Row::zero(nodes + 1),
     };
-    let mut displacement_change = vec![0.0; count + 2];
+    let mut displacement_change = Row::zero(nodes + 1);
     for (&edge, rows) in edges.iter().zip(sides) {
-        let by_displacement = displacement_row(layers, edge, &rows.speed);
+        let thickness = -layers.displacement[edge] / layers.speed[edge];
         let by_theta = (layers.shear[edge] - shear) / theta;
         let by_shear = layers.theta[edge] / theta;
-        for k in 0..count + 2 {
-            result.theta[k] += rows.theta[k];
-            displacement_change[k] += by_displacement[k];
-            result.shear[k] += by_theta * rows.theta[k] + by_shear * rows.shear[k];
+        for (k, station) in rows.stations.clone().enumerate() {
+            result.theta.masses[station] += rows.theta.masses[k];
+            displacement_change.masses[station] += thickness * rows.speed.masses[k];
+            result.shear.masses[station] +=
+                by_theta * rows.theta.masses[k] + by_shear * rows.shear.masses[k];
         }
+        displacement_change.masses[edge] += 1.0 / layers.speed[edge];
+        result.theta.shift += rows.theta.shift;
+        result.theta.one += rows.theta.one;
+        displacement_change.shift += thickness * rows.speed.shift;
+        displacement_change.one += thickness * rows.speed.one;
+        result.shear.shift += by_theta * rows.theta.shift + by_shear * rows.shear.shift;
+        result.shear.one += by_theta * rows.theta.one + by_shear * rows.shear.one;
     }
     let own = [
         layers.theta[nodes],
         layers.displacement[nodes],
         layers.shear[nodes],
     ];
-    result.theta[count + 1] += theta - own[0];
-    displacement_change[count + 1] += displacement - own[1];
-    result.shear[count + 1] += shear - own[2];
+    result.theta.one += theta - own[0];
+    displacement_change.one += displacement - own[1];
+    result.shear.one += shear - own[2];
     for (target, own) in target.iter().zip(own) {
         *largest = largest.max((target / own - 1.0).abs());
     }
     // δ* du = dm − u dδ*.
-    for k in 0..count + 2 {
-        result.speed[k] = -layers.speed[nodes] * displacement_change[k] / own[1];
+    let by_displacement = |change: f64| -layers.speed[nodes] * change / own[1];
+    for (speed, change) in (result.speed.masses.iter_mut()).zip(&displacement_change.masses) {
+        *speed = by_displacement(*change);
     }
-    result.speed[nodes] += 1.0 / own[1];
+    result.speed.shift = by_displacement(displacement_change.shift);
+    result.speed.one = by_displacement(displacement_change.one);
+    result.speed.masses[nodes] += 1.0 / own[1];
     Some(result)
 }
 
 /// Speeds less those of the potential flow with the masses, along the way of the nodes.
 fn mismatch(setting: &Setting<'_>, layers: &Layers) -> Vec<f64> {
-    let masses: Vec<f64> = (0..setting.stations())
-        .map(|j| layers.sign(j) * layers.speed[j] * layers.displacement[j])
-        .collect();
-    (0..setting.stations())
-        .map(|i| {
-            let sum: f64 = masses
-                .iter()
-                .enumerate()
-                .map(|(j, mass)| setting.flow.response[(i, j)] * mass)
-                .sum();
-            layers.sign(i) * layers.speed[i] - setting.flow.speeds[i] - sum
-        })
-        .collect()
+    let count = setting.stations();
+    let mut sums = vec![0.0; count];
+    for j in 0..count {
+        let mass = layers.sign(j) * layers.speed[j] * layers.displacement[j];
+        for (i, sum) in sums.iter_mut().enumerate() {
+            *sum += setting.flow.response[(i, j)] * mass;
+        }
+    }
+    let of =
+        |(i, sum): (usize, f64)| layers.sign(i) * layers.speed[i] - setting.flow.speeds[i] - sum;
+    sums.into_iter().enumerate().map(of).collect()
 }
 
 /// Solves for the masses and the stagnation point's shift, and from them everything.
@@ -262,37 +369,47 @@ fn close(setting: &Setting<'_>, layers: &Layers, rows: &[Rows], mismatch: &[f64]
     let count = setting.stations();
     let mut matrix = Mat::zeros(count + 1, count + 1);
     let mut side = Mat::zeros(count + 1, 1);
-    for i in 0..count {
-        let sign = layers.sign(i);
-        for j in 0..count {
-            matrix[(i, j)] =
-                sign * rows[i].speed[j] - setting.flow.response[(i, j)] * layers.sign(j);
+    for j in 0..count {
+        let sign = layers.sign(j);
+        for i in 0..count {
+            matrix[(i, j)] = -setting.flow.response[(i, j)] * sign;
         }
-        matrix[(i, count)] = sign * rows[i].speed[count];
-        side[(i, 0)] = -mismatch[i] - sign * rows[i].speed[count + 1];
+    }
+    for (i, rows) in rows.iter().enumerate() {
+        let sign = layers.sign(i);
+        for (j, speed) in rows.stations.clone().zip(&rows.speed.masses) {
+            matrix[(i, j)] += sign * speed;
+        }
+        matrix[(i, count)] = sign * rows.speed.shift;
+        side[(i, 0)] = -mismatch[i] - sign * rows.speed.one;
     }
     let (_, slopes) = layers.stagnation_place(setting.panels);
     for (k, slope) in slopes.into_iter().enumerate() {
-        let speed = &rows[layers.stagnation + k].speed;
-        for j in 0..=count {
-            matrix[(count, j)] -= slope * speed[j];
+        let rows = &rows[layers.stagnation + k];
+        for (j, speed) in rows.stations.clone().zip(&rows.speed.masses) {
+            matrix[(count, j)] -= slope * speed;
         }
-        side[(count, 0)] += slope * speed[count + 1];
+        matrix[(count, count)] -= slope * rows.speed.shift;
+        side[(count, 0)] += slope * rows.speed.one;
     }
     matrix[(count, count)] += 1.0;
     let solution = matrix.partial_piv_lu().solve(&side);
-    let mut parameters: Vec<f64> = (0..=count).map(|k| solution[(k, 0)]).collect();
-    parameters.push(1.0);
-    if parameters.iter().any(|p| !p.is_finite()) {
+    let masses: Vec<f64> = (0..count).map(|k| solution[(k, 0)]).collect();
+    let shift = solution[(count, 0)];
+    if !shift.is_finite() || masses.iter().any(|p| !p.is_finite()) {
         return None;
     }
-    let change = |row: &Row| row.iter().zip(&parameters).map(|(a, b)| a * b).sum::<f64>();
-    let speed: Vec<f64> = rows.iter().map(|r| change(&r.speed)).collect();
+    let change = |of: fn(&Rows) -> &Row| -> Vec<f64> {
+        rows.iter()
+            .map(|rows| of(rows).at(&rows.stations, &masses, shift))
+            .collect()
+    };
+    let speed = change(|rows| &rows.speed);
     Some(Step {
-        theta: rows.iter().map(|r| change(&r.theta)).collect(),
-        shear: rows.iter().map(|r| change(&r.shear)).collect(),
+        theta: change(|rows| &rows.theta),
+        shear: change(|rows| &rows.shear),
         displacement: (0..count)
-            .map(|k| (parameters[k] - layers.displacement[k] * speed[k]) / layers.speed[k])
+            .map(|k| (masses[k] - layers.displacement[k] * speed[k]) / layers.speed[k])
             .collect(),
         speed,
     })

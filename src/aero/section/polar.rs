@@ -125,6 +125,20 @@ impl Section {
         angles_rad: &[f64],
         conditions: &Conditions,
     ) -> Vec<Result<SectionState, SectionError>> {
+        self.polar_while(angles_rad, conditions, |outwards| {
+            let failures = outwards.iter().rev().take_while(|state| state.is_none());
+            failures.count() < GIVEN_UP_AFTER
+        })
+    }
+
+    /// The same as far outwards as `more` asks for it, which is told what was found on this side of zero lift, nearest first; `None` where nothing was. Angles farther out count as given up.
+    #[must_use]
+    pub fn polar_while(
+        &self,
+        angles_rad: &[f64],
+        conditions: &Conditions,
+        more: impl Fn(&[Option<&SectionState>]) -> bool + Sync,
+    ) -> Vec<Result<SectionState, SectionError>> {
         if let Err(error) = check(angles_rad, conditions) {
             return angles_rad.iter().map(|_| Err(error.clone())).collect();
         }
@@ -133,33 +147,41 @@ impl Section {
         let mut order: Vec<usize> = (0..angles_rad.len()).collect();
         order.sort_by(|&a, &b| angles_rad[a].total_cmp(&angles_rad[b]));
         let first = order.partition_point(|&k| angles_rad[k] < zero_lift);
-        let mut results: Vec<Option<Result<SectionState, SectionError>>> =
-            angles_rad.iter().map(|_| None).collect();
-        let upwards: Vec<usize> = order[first..].to_vec();
+        let upwards = &order[first..];
         let downwards: Vec<usize> = order[..first].iter().rev().copied().collect();
-        let mut start: Option<(f64, Layers)> = None;
-        for (direction, list) in [upwards, downwards].into_iter().enumerate() {
-            let mut last = start.take();
-            let mut failures = 0;
-            for (rank, k) in list.into_iter().enumerate() {
-                if failures == GIVEN_UP_AFTER {
-                    results[k] = Some(Err(SectionError::GivenUp {
-                        degrees: angles_rad[k].to_degrees(),
-                    }));
-                    continue;
+        let given_up = |k: usize| SectionError::GivenUp {
+            degrees: angles_rad[k].to_degrees(),
+        };
+        // Both ways from the same solution.
+        let nearest = upwards
+            .first()
+            .map(|&k| self.solve(angles_rad[k], conditions, None));
+        let start = nearest
+            .as_ref()
+            .and_then(|(_, layers)| Some((angles_rad[upwards[0]], layers.clone()?)));
+        let sweep = |list: &[usize], mut found: Vec<Result<SectionState, SectionError>>| {
+            let mut last = start.clone();
+            for &k in &list[found.len()..] {
+                let outwards: Vec<_> = found.iter().map(|state| state.as_ref().ok()).collect();
+                if !more(&outwards) {
+                    break;
                 }
-                let (result, layers) = self.solve(angles_rad[k], conditions, last.as_ref());
-                failures = if layers.is_some() { 0 } else { failures + 1 };
-                if let Some(layers) = layers {
-                    if direction == 0 && rank == 0 {
-                        start = Some((angles_rad[k], layers.clone()));
-                    }
-                    last = Some((angles_rad[k], layers));
-                }
-                results[k] = Some(result);
+                let (state, layers) = self.solve(angles_rad[k], conditions, last.as_ref());
+                last = layers.map(|layers| (angles_rad[k], layers)).or(last);
+                found.push(state);
+            }
+            found
+        };
+        let nearest = nearest.map(|(state, _)| state).into_iter().collect();
+        let (above, below) =
+            rayon::join(|| sweep(upwards, nearest), || sweep(&downwards, Vec::new()));
+        let mut results: Vec<_> = (0..angles_rad.len()).map(|k| Err(given_up(k))).collect();
+        for (list, found) in [(upwards, above), (&downwards[..], below)] {
+            for (k, state) in list.iter().zip(found) {
+                results[*k] = state;
             }
         }
-        results.into_iter().flatten().collect()
+        results
     }
 
     /// Solves one angle, from a solution at another if there is one.

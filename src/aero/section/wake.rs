@@ -63,11 +63,12 @@ impl Flow {
             let velocity = stream + weighted(&per_speed, &speeds[..n]);
             let along = velocity.normalize_or_zero();
             speeds.push(velocity.length());
-            for (i, per_speed) in per_speed.iter().enumerate() {
-                let share = per_speed.dot(along);
-                for j in 0..n + count {
-                    response[(n + k, j)] += share * response[(i, j)];
-                }
+            let shares: Vec<f64> = per_speed.iter().map(|v| v.dot(along)).collect();
+            // Column by column, as they lie in memory.
+            for j in 0..n + count {
+                let terms = shares.iter().enumerate();
+                let sum: f64 = terms.map(|(i, share)| share * response[(i, j)]).sum();
+                response[(n + k, j)] += sum;
             }
             let nodes = &inviscid.panels.nodes;
             for j in 0..n - 1 {
