@@ -408,6 +408,20 @@ fn wings() {
             assert!((pilot.unwrap() / 89.811 - 1.0).abs() < 1e-4);
         }
     }
+    // Whoever flies has the drag of his own mass, wherever that is written; once.
+    let flown = load(
+        "version = 1\n[wing]\nclass = \"en_b\"\nspan_m = 11.0\n[equilibrium.trim]\npilot_mass_kg = 110.0\n",
+        &[],
+    );
+    let flown = flown.unwrap();
+    let drag = flown.derived.iter();
+    let drag: Vec<f64> = drag
+        .filter(|one| one.key == "equilibrium.trim.pilot_drag_area_m2")
+        .filter_map(|one| one.value.as_float())
+        .collect();
+    assert_eq!(drag.len(), 1);
+    let expected = 0.45 * f64::powf(110.0 / 95.0, 2.0 / 3.0);
+    assert!((drag[0] / expected - 1.0).abs() < 1e-4, "{drag:?}");
     let by_area = wing("class = \"en_c\"\narea_m2 = 27.0").unwrap();
     let measures = &by_area.scene.wing().unwrap().built.measures;
     // As of `wing-27`, the shipped plan of the class: 26.996 m2, 12.94 m.

@@ -64,6 +64,11 @@ fn words_are_explained() {
         ),
         ("descent_rate_m_s", &["result descent_rate_m_s [m/s]"]),
         ("row_a_load_n", &["result row_{row}_load_n [N]"]),
+        (
+            "separated_lift_coefficient",
+            &["column of polar.csv separated_lift_coefficient [1]"],
+        ),
+        ("ball_lift_coefficient", &["{body}lift_coefficient"]),
     ] {
         let found = ripstop(&["explain", word]);
         assert_eq!(found.code, 0, "{word}: {}", found.errors);
@@ -72,6 +77,12 @@ fn words_are_explained() {
         }
         assert!(!found.printed.contains("]("), "{word}: {}", found.printed);
     }
+    let separated = ripstop(&["explain", "separated_lift_coefficient"]);
+    assert!(
+        !separated.printed.contains("{body}"),
+        "{}",
+        separated.printed
+    );
     let unknown = ripstop(&["explain", "drag_coeficient"]);
     assert_eq!(unknown.code, 2);
     assert!(
@@ -136,6 +147,29 @@ fn slips() {
         (
             &["check", "cases/flag.toml", "--variant", "quik"],
             "did you mean `quick`?",
+        ),
+        (
+            &[
+                "check",
+                "cases/designs/cruciform.toml",
+                "--set",
+                "coupling.shceme=absent",
+            ],
+            "coupling.shceme is to be absent, but there is no such key",
+        ),
+        (&["new", "wing-27", "--cells", "5"], "cannot be used with"),
+        (
+            &[
+                "check",
+                "cases/wing-school.toml",
+                "--set",
+                "structure.wing.profiles.middle.naca=99",
+            ],
+            "`99`",
+        ),
+        (
+            &["polar", "cases/wing-school.toml", "--brake", "-0.1"],
+            "brake",
         ),
         (
             &[

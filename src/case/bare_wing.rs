@@ -135,6 +135,13 @@ struct Drawn {
 
 /// The wing by its stations.
 fn drawn(written: &file::BareWing, folder: &Path) -> Result<Drawn, Problem> {
+    if written.stations.is_empty() {
+        return Err(Problem::new(
+            key("stations"),
+            format!("{KEY}.stations is empty"),
+            "give at least two stations along the span, with chords of more than 0 except at tips",
+        ));
+    }
     let profiles = written
         .profiles
         .iter()

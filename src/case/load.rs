@@ -11,7 +11,7 @@ use super::mesh_examination::ExaminedMesh;
 use super::near::{did_you_mean, nearest};
 use super::problem::Problem;
 use super::scene::{self, Scene};
-use super::text::{apply_override, lookup, merge};
+use super::text::{absent_paths, apply_override, lookup, merge};
 use super::usual::{self, Resolved};
 use super::values::all_told;
 use super::{bodies, grid_sequence, identity, locate, mesh, schema};
@@ -181,6 +181,7 @@ fn checked<T>(
     let design = design::table_of(&table);
     let is_design = design.is_some();
     let mut prefix = None;
+    let mut absent = Vec::new();
     if let Some(variant) = &choices.variant {
         let known: Vec<String> = table
             .get("variants")
@@ -206,6 +207,7 @@ fn checked<T>(
                 ),
             ));
         };
+        absent = absent_paths(&changes);
         merge(&mut table, changes, is_design);
         prefix = Some(format!("variants.{variant}."));
     }
@@ -231,7 +233,7 @@ fn checked<T>(
                 .strip_prefix(outer)
                 .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
-        let overriding = overrides.iter().find(|change| {
+        let overriding = overrides.iter().rev().find(|change| {
             let key = change.split('=').next().unwrap_or_default().trim();
             within(key, &problem.key) || within(&problem.key, key)
         });
@@ -257,6 +259,20 @@ fn checked<T>(
         let message = format!("in {name}: {}", problem.message);
         locate(Problem { message, ..problem })
     };
+    // Of a case that is no design nothing is left that says so.
+    let unknown = |path: &Vec<String>| {
+        let is_of_a_variant = path.len() > 2 && path[0] == "variants";
+        !schema::knows(&path[if is_of_a_variant { 2 } else { 0 }..])
+    };
+    let mut all = absent.into_iter().chain(absent_paths(&table));
+    if let Some(path) = all.find(unknown) {
+        let path = path.join(".");
+        return Err(in_file(Problem::new(
+            path.as_str(),
+            format!("{path} is to be absent, but there is no such key"),
+            "correct the key, or leave it out (docs/case-files.md lists all keys)",
+        )));
+    }
     let several = |(mut first, others): (Problem, Vec<Problem>)| {
         if !others.is_empty() {
             first.message = format!("{} (and {} more)", first.message, others.len());

@@ -30,23 +30,37 @@ pub fn schema_text() -> String {
     format!("{:#}\n", schema())
 }
 
-/// Names of the tables and keys of which exactly one belongs under a dotted path, such as `structure`; none where that is not so.
-pub(super) fn alternatives(path: &str) -> Vec<String> {
-    let root = schema();
-    let mut part = &root;
-    for step in path.split('.') {
+/// What the schema says of a key or table; `None` where cases have none such.
+fn at<'a, 'b>(root: &'a Value, mut path: impl Iterator<Item = &'b str>) -> Option<&'a Value> {
+    path.try_fold(root, |part, step| {
         let own = (part.get("properties").and_then(|keys| keys.get(step)))
             .or_else(|| {
                 let all = part.get("oneOf")?.as_array()?.iter();
                 let mut found = all.filter_map(|one| one.get("properties")?.get(step));
                 found.next()
             })
+            .or_else(|| {
+                let all = part.get("anyOf")?.as_array()?.iter();
+                let mut found =
+                    all.filter_map(|one| resolved(root, one).get("properties")?.get(step));
+                found.next()
+            })
             .or_else(|| part.get("additionalProperties").filter(|of| of.is_object()));
-        let Some(own) = own else {
-            return Vec::new();
-        };
-        part = resolved(&root, own);
-    }
+        own.map(|own| resolved(root, own))
+    })
+}
+
+/// True if cases may have the key or table that these steps lead to.
+pub(super) fn knows(path: &[String]) -> bool {
+    at(&schema(), path.iter().map(String::as_str)).is_some()
+}
+
+/// Names of the tables and keys of which exactly one belongs under a dotted path, such as `structure`; none where that is not so.
+pub(super) fn alternatives(path: &str) -> Vec<String> {
+    let root = schema();
+    let Some(part) = at(&root, path.split('.')) else {
+        return Vec::new();
+    };
     let all = part.get("oneOf").and_then(Value::as_array);
     (all.into_iter().flatten())
         .filter_map(|one| one.get("properties")?.as_object()?.keys().next().cloned())

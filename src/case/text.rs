@@ -34,6 +34,19 @@ pub(super) fn merge(base: &mut toml::Table, changes: toml::Table, keeps_absent: 
 /// Value of an override or in a variant that removes the key or table from the case.
 pub const ABSENT: &str = "absent";
 
+/// Paths of all that is "absent" in a table of changes.
+pub(super) fn absent_paths(table: &toml::Table) -> Vec<Vec<String>> {
+    let below = |(key, value): (&String, &toml::Value)| match value {
+        toml::Value::String(text) if text == ABSENT => vec![vec![key.clone()]],
+        toml::Value::Table(inner) => absent_paths(inner)
+            .into_iter()
+            .map(|path| [vec![key.clone()], path].concat())
+            .collect(),
+        _ => Vec::new(),
+    };
+    table.iter().flat_map(below).collect()
+}
+
 /// Applies one `key.path=value`; `absent` removes the key, or stays as that word where it is told to keep it.
 pub(super) fn apply_override(
     table: &mut toml::Table,
@@ -56,6 +69,13 @@ pub(super) fn apply_override(
             .ok_or_else(|| refuse("there is no value"))?,
         // Bare words are strings.
         Err(_) => toml::Value::String(text.trim().to_owned()),
+    };
+    // Designations of profiles are words, though they look like numbers.
+    let value = match value {
+        toml::Value::Integer(_) if path.trim().ends_with(".naca") => {
+            toml::Value::String(text.trim().to_owned())
+        }
+        value => value,
     };
     let mut parts: Vec<&str> = path.trim().split('.').collect();
     let last = parts
@@ -109,6 +129,14 @@ pub(super) fn number(value: &toml::Value) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn designations_of_profiles_are_words() {
+        let mut table = toml::Table::new();
+        apply_override(&mut table, "profiles.middle.naca=2415", false).unwrap();
+        let written = lookup(&table, "profiles.middle.naca");
+        assert_eq!(written.and_then(toml::Value::as_str), Some("2415"));
+    }
 
     #[test]
     fn numbers_are_found_by_their_paths() {

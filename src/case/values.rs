@@ -153,8 +153,9 @@ pub(super) fn count_within(
     ))
 }
 
-/// A number without hundreds of zeros.
+/// A number without hundreds of zeros, and without round-off.
 pub(super) fn readable(value: f64) -> String {
+    let value = format!("{value:.11e}").parse().unwrap_or(value);
     if value == 0.0 || (1e-6..1e9).contains(&value.abs()) {
         value.to_string()
     } else {

@@ -9,6 +9,9 @@ use super::values::{absent, positive, wing_key as key, within};
 use crate::geometry::wing::plan::{Diagonals, JoinPlace, LEAST_LINE_M, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
+/// Diameters that lines may have [m].
+const DIAMETERS_M: [f64; 2] = [1e-5, 0.05];
+
 /// Cables by name.
 pub(super) type Materials = BTreeMap<String, Cable>;
 
@@ -16,7 +19,12 @@ pub(super) fn check_materials(table: &file::Wing) -> Result<Materials, Problem> 
     let mut materials = Materials::new();
     for (name, written) in &table.line_materials {
         let key = key(&format!("line_materials.{name}"));
-        let diameter_m = positive(&format!("{key}.diameter_m"), written.diameter_m)?;
+        let diameter_m = within(
+            &format!("{key}.diameter_m"),
+            written.diameter_m,
+            DIAMETERS_M[0],
+            DIAMETERS_M[1],
+        )?;
         let mass = positive(
             &format!("{key}.mass_per_length_kg_m"),
             written.mass_per_length_kg_m,

@@ -15,7 +15,11 @@ pub(super) fn answer_text(report: &Report, out: &Path) -> String {
     let mut lines = vec![summary.case.title.clone()];
     let names = headline(summary.results.iter().map(|(name, _)| name));
     lines.extend(headline_lines(summary, &names));
-    lines.push(trust(summary, &names));
+    let trust = trust(summary, &names);
+    lines.push(match report.interrupted {
+        true => trust.replacen("trust: ", "trust: interrupted; ", 1),
+        false => trust,
+    });
     if !summary.comparison.is_empty() {
         lines.push("beside the values of others:".to_owned());
         lines.push(comparison_text(&summary.comparison).trim_end().to_owned());

@@ -8,7 +8,8 @@ use super::threads;
 use crate::case::Case;
 use crate::case::bare_wing::{BareWing, SectionPolar};
 use crate::output::{
-    Chart, OutputError, Provenance, Series, aligned, prepare_directory, significant, write_table,
+    Chart, OutputError, Provenance, ReadOut, Series, aligned, prepare_directory, significant,
+    write_table,
 };
 use crate::polar::{self, Coefficients, Numbers, Point, Polar, matrix_bytes};
 use crate::report::{self, PageTable, PolarPage};
@@ -16,26 +17,74 @@ use crate::report::{self, PageTable, PolarPage};
 /// The file of a row for each angle.
 const POLAR_TABLE: &str = "polar.csv";
 
-/// Columns of [`POLAR_TABLE`], with their unit where they have one.
-pub(super) const COLUMNS: [&str; 18] = [
-    "angle_of_attack_deg",
-    "lift_coefficient",
-    "drag_coefficient",
-    "induced_drag_coefficient",
-    "profile_drag_coefficient",
-    "pitching_moment_coefficient",
-    "side_force_coefficient",
-    "rolling_moment_coefficient",
-    "yawing_moment_coefficient",
-    "lift_to_drag_ratio",
-    "lift_n",
-    "drag_n",
-    "stalled_area_share",
-    "sections_covered",
-    "separated_lift_coefficient",
-    "separated_drag_coefficient",
-    "separated_pitching_moment_coefficient",
-    "section_residual",
+/// Columns of [`POLAR_TABLE`].
+pub(super) const COLUMNS: [ReadOut; 18] = [
+    ReadOut::new("angle_of_attack_deg", "deg", "angle of attack"),
+    ReadOut::new(
+        "lift_coefficient",
+        "1",
+        "lift coefficient; over q and the reference area",
+    ),
+    ReadOut::new(
+        "drag_coefficient",
+        "1",
+        "drag coefficient; induced and of the sections",
+    ),
+    ReadOut::new("induced_drag_coefficient", "1", "induced drag coefficient"),
+    ReadOut::new(
+        "profile_drag_coefficient",
+        "1",
+        "drag coefficient of the sections",
+    ),
+    ReadOut::new(
+        "pitching_moment_coefficient",
+        "1",
+        "coefficient of the moment about the moment point, nose up; over the reference chord",
+    ),
+    ReadOut::new(
+        "side_force_coefficient",
+        "1",
+        "coefficient of the side force, to the right",
+    ),
+    ReadOut::new(
+        "rolling_moment_coefficient",
+        "1",
+        "coefficient of the rolling moment, left tip up; over the reference chord",
+    ),
+    ReadOut::new(
+        "yawing_moment_coefficient",
+        "1",
+        "coefficient of the yawing moment, nose to the right; over the reference chord",
+    ),
+    ReadOut::new("lift_to_drag_ratio", "1", "lift over drag"),
+    ReadOut::new("lift_n", "N", "lift"),
+    ReadOut::new("drag_n", "N", "drag"),
+    ReadOut::new(
+        "stalled_area_share",
+        "1",
+        "share of the area whose sections are beyond their highest lift",
+    ),
+    ReadOut::new(
+        "sections_covered",
+        "1",
+        "1 where all sections are at angles that their polars reach, else 0",
+    ),
+    ReadOut::new(
+        "separated_lift_coefficient",
+        "1",
+        "lift coefficient of a second, separated solution; none where there is none",
+    ),
+    ReadOut::new("separated_drag_coefficient", "1", "its drag coefficient"),
+    ReadOut::new(
+        "separated_pitching_moment_coefficient",
+        "1",
+        "its coefficient of the moment",
+    ),
+    ReadOut::new(
+        "section_residual",
+        "1",
+        "largest difference of lift between sections and wing",
+    ),
 ];
 
 /// Columns of `span.csv`.
@@ -52,6 +101,10 @@ const SPAN_COLUMNS: [&str; 11] = [
     "effective_angle_deg",
     "stalled",
 ];
+
+/// Speed of sound of air at 15 °C [m/s], and the Mach number up to which air counts as of one density.
+const SPEED_OF_SOUND_M_S: f64 = 340.3;
+const LARGEST_MACH: f64 = 0.3;
 
 /// Angles whose span-wise loads are drawn, at most.
 const DRAWN_SPANS: usize = 5;
@@ -81,7 +134,7 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
     text.push('\n');
     let rows: Vec<Vec<String>> = told(wing, &numbers).into_iter().map(Vec::from).collect();
     text += &aligned(&rows);
-    for note in notes(&found) {
+    for note in notes(wing, &found) {
         text += &format!("note: {note}\n");
     }
     text += &format!(
@@ -260,7 +313,7 @@ fn told(wing: &BareWing, numbers: &Numbers) -> Vec<[String; 2]> {
     ]
 }
 
-fn notes(found: &Polar) -> Vec<String> {
+fn notes(wing: &BareWing, found: &Polar) -> Vec<String> {
     let mut notes = Vec::new();
     let angles = |is: &dyn Fn(&&Point) -> bool| -> Option<String> {
         let all: Vec<String> = found
@@ -283,6 +336,13 @@ fn notes(found: &Polar) -> Vec<String> {
         notes.push(format!(
             "strips lie below a Reynolds number of {:.0e}, of which their computed polars are",
             polar::LEAST_REYNOLDS
+        ));
+    }
+    let mach = wing.speed_m_s / SPEED_OF_SOUND_M_S;
+    if mach > LARGEST_MACH {
+        notes.push(format!(
+            "the wing flies at {:.2} times the speed of sound; the method knows air of one density, good up to {LARGEST_MACH}",
+            mach
         ));
     }
     if !found.sections_stall {
@@ -348,7 +408,7 @@ fn write(
     let folder = &arguments.out;
     write_table(
         &folder.join(POLAR_TABLE),
-        &COLUMNS,
+        &COLUMNS.each_ref().map(|column| &*column.name),
         found.points.iter().map(|p| row(wing, p)),
     )?;
     let agreed = found.points.iter().filter(|p| p.coefficients.is_some());
@@ -390,7 +450,7 @@ fn write(
                 heading: "All angles".to_owned(),
                 rows: table(found),
             }],
-            notes: notes(found),
+            notes: notes(wing, found),
             case: case.text.clone(),
         },
     )

@@ -10,6 +10,7 @@ use super::failure::Failure;
 use super::threads;
 use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem, did_you_mean};
 use crate::gpu::Device;
+use crate::lattice::nest::Level;
 use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
@@ -122,13 +123,24 @@ impl CaseArguments {
     }
 
     fn too_large(&self, case: &Case, refusal: MemoryRefusal) -> Failure {
-        let air = case.scene.air.as_ref().map(|air| air.cells);
+        let air = case.scene.air.as_ref();
         let needs = format!(
             "it needs {:.1} GB{}",
             refusal.needed as f64 / 1e9,
-            air.map_or_else(String::new, |[x, y, z]| format!(
-                " for {x} x {y} x {z} cells"
-            ))
+            air.map_or_else(String::new, |air| {
+                let cells = |level: &Level| level.cells.iter().map(|n| *n as u64).product::<u64>();
+                match &air.levels()[..] {
+                    [only] => format!(
+                        " for {} x {} x {} cells",
+                        only.cells[0], only.cells[1], only.cells[2]
+                    ),
+                    levels => format!(
+                        " for {} cells in {} lattices",
+                        levels.iter().map(cells).sum::<u64>(),
+                        levels.len()
+                    ),
+                }
+            })
         );
         let limit = refusal.free.map_or_else(
             || "more than 4 294 967 294 cells cannot be addressed".to_owned(),

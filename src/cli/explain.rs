@@ -45,13 +45,18 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<u8, Failure> {
         .zip(read_out_tables())
     {
         for group in groups {
-            for row in group
-                .read_outs()
-                .filter(|row| row.covers(word) || row.name == word)
-            {
+            // What is a column of a wing by itself is no body's of such a name.
+            let is_polar = bare_polar::COLUMNS.iter().any(|row| row.name == word);
+            let is_meant = |row: &&ReadOut| {
+                (row.covers(word) && !is_polar) || row.of("").name == word || row.name == word
+            };
+            for row in group.read_outs().filter(is_meant) {
                 text += &read_out_text(kind, group.title(), row);
             }
         }
+    }
+    for row in bare_polar::COLUMNS.iter().filter(|row| row.name == word) {
+        text += &read_out_text("column of polar.csv", "A wing by itself", row);
     }
     // A result that is made of a column has another name than that.
     if text.is_empty()
@@ -114,8 +119,12 @@ pub(super) fn results(arguments: &ResultsArguments) -> Result<u8, Failure> {
     let case = arguments.case.load(&[])?;
     if case.scene.bare_wing.is_some() {
         emit(&format!(
-            "a wing by itself is not run; columns that `ripstop polar` writes to polar.csv:\n  {}\n",
-            bare_polar::COLUMNS.join("\n  ")
+            "a wing by itself is not run; columns that `ripstop polar` writes to polar.csv:\n{}",
+            aligned(&bare_polar::COLUMNS.each_ref().map(|row| vec![
+                format!("  {}", row.name),
+                row.unit.to_owned(),
+                row.meaning.to_owned()
+            ]))
         ))?;
         return Ok(0);
     }

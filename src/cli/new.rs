@@ -27,7 +27,7 @@ pub(super) struct NewArguments {
         long,
         value_name = "M",
         requires = "wing",
-        conflicts_with = "area",
+        conflicts_with_all = ["area", "name"],
         allow_negative_numbers = true
     )]
     span: Option<f64>,
@@ -37,12 +37,13 @@ pub(super) struct NewArguments {
         long,
         value_name = "M2",
         requires = "wing",
+        conflicts_with = "name",
         allow_negative_numbers = true
     )]
     area: Option<f64>,
 
     /// Cells of the wing; by its class if left out.
-    #[arg(long, value_name = "COUNT", requires = "wing")]
+    #[arg(long, value_name = "COUNT", requires = "wing", conflicts_with = "name")]
     cells: Option<usize>,
 
     /// Class of the wing (EN 926-2).
@@ -54,6 +55,7 @@ pub(super) struct NewArguments {
         long,
         value_name = "KG",
         requires = "wing",
+        conflicts_with = "name",
         allow_negative_numbers = true
     )]
     pilot: Option<f64>,

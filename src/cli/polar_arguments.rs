@@ -15,13 +15,13 @@ pub(super) struct PolarArguments {
     #[arg(long, value_name = "FROM,TO,STEP", allow_hyphen_values = true)]
     pub(super) angle: Option<String>,
     /// Lengths by which the brakes are pulled [m]: one trim each.
-    #[arg(long, value_name = "M,M,…")]
+    #[arg(long, value_name = "M,M,…", allow_hyphen_values = true)]
     pub(super) brake: Option<String>,
     /// Shares of the speed bar's travel, 0 to 1: one trim each; the plan needs [structure.wing.speed_bar].
-    #[arg(long, value_name = "SHARE,SHARE,…")]
+    #[arg(long, value_name = "SHARE,SHARE,…", allow_hyphen_values = true)]
     pub(super) bar: Option<String>,
     /// Masses of the pilot, harness and all [kg]: one trim each.
-    #[arg(long, value_name = "KG,KG,…")]
+    #[arg(long, value_name = "KG,KG,…", allow_hyphen_values = true)]
     pub(super) mass: Option<String>,
     /// Any other key and its values, as `ripstop sweep` takes them; may be given several times.
     #[arg(long, value_name = "KEY.PATH=A,B,C")]

@@ -95,7 +95,7 @@ fn against(row: &Difference, number: usize) -> String {
         |share| format!("{:+.1} %", 100.0 * share),
     );
     match row.beyond_intervals(number) {
-        Some(true) => format!("{share}, beyond both intervals"),
+        Some(true) => format!("{share}, beyond the intervals (in quadrature)"),
         Some(false) => format!("{share}, within the intervals"),
         None => share,
     }

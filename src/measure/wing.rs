@@ -30,7 +30,7 @@ results! {
     PART_WRINKLED: "{part}_wrinkled_area_share", "1", "share of the part's area that is wrinkled";
     PART_SLACK: "{part}_slack_area_share", "1", "share of the part's area that is slack";
     PROJECTED_SPAN: "projected_span_m", "m", "span seen from above; between the noses of the tip ribs";
-    PITCH: "pitch_deg", "deg", "pitch; of the rib in or next to the middle, nose up";
+    PITCH: "pitch_deg", "deg", "pitch; of the rib in the middle or both beside it, nose up";
 }
 
 /// Adds the results of a wing; `weight_n` is that of fabric and lines.
@@ -285,7 +285,7 @@ fn shape(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     let place = |node: u32| structure.positions_m[node as usize];
     let [left, right] = wing.built.tip_noses.map(place);
     results.tell(&PROJECTED_SPAN, right.y - left.y);
-    let [nose, tail] = wing.built.middle_chord.map(place);
+    let [nose, tail] = wing.built.middle_chord_m(&structure.positions_m);
     let chord = tail - nose;
     results.tell(&PITCH, (-chord.z).atan2(chord.x).to_degrees());
 }

@@ -136,7 +136,7 @@ fn walls(scene: &Scene, known: &InWind) -> Result<Walls, &'static str> {
     let wing = &known.wing.built;
     let place = |node: u32| known.designed_m[node as usize];
     let [left, right] = wing.tip_noses.map(place);
-    let [nose, tail] = wing.middle_chord.map(place);
+    let [nose, tail] = wing.middle_chord_m(known.designed_m);
     let cell_m = known.air.units.cell_size_m;
     let section_m = [1, 2].map(|axis| known.air.cells[axis] as f64 * cell_m);
     let span_m = (right.y - left.y).abs();

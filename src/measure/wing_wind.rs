@@ -150,7 +150,7 @@ pub(super) fn values(simulation: &Simulation, forces: Forces) -> Result<Vec<f64>
     };
     let wing = &known.wing.built;
     let positions_m = &structure.positions_m;
-    let [nose, tail] = wing.middle_chord.map(|n| positions_m[n as usize]);
+    let [nose, tail] = wing.middle_chord_m(positions_m);
     let rows = wing::row_loads(known.wing, &structure);
     let now = Moment {
         forces,
@@ -181,19 +181,21 @@ pub(super) fn values(simulation: &Simulation, forces: Forces) -> Result<Vec<f64>
     Ok(row)
 }
 
-/// How far the part of the middle rib behind the last row before the trailing edge points down against the part before it [°].
+/// How far the part of the middle rib, or in the mean of both beside the middle, behind the last row before the trailing edge points down against the part before it [°].
 fn deflection_deg(known: &InWind, positions_m: &[DVec3]) -> f64 {
     let wing = &known.wing.built;
-    let [nose, tail] = wing.middle_chord.map(|n| positions_m[n as usize]);
-    let outline = &wing.outlines[wing.cells.div_ceil(2)];
+    let [nose, tail] = wing.middle_chord_m(positions_m);
     let at = |side, x| {
         let j = wing.places.nearest(side, x);
-        let count = outline.len();
-        let k = match side {
-            Side::Upper => j,
-            Side::Lower => (count - j) % count,
-        };
-        positions_m[outline[k] as usize]
+        let [left, right] = wing.middle_outlines().map(|outline| {
+            let count = outline.len();
+            let k = match side {
+                Side::Upper => j,
+                Side::Lower => (count - j) % count,
+            };
+            positions_m[outline[k] as usize]
+        });
+        left.midpoint(right)
     };
     let x = wing.turning_place;
     let turn = at(Side::Upper, x).midpoint(at(Side::Lower, x));

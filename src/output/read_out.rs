@@ -52,8 +52,13 @@ impl ReadOut {
     pub fn covers(&self, name: &str) -> bool {
         match self.split() {
             Some((before, after)) => {
-                let rest = name.strip_prefix(before);
-                rest.is_some_and(|rest| rest.ends_with(after))
+                let owner = name
+                    .strip_prefix(before)
+                    .and_then(|rest| rest.strip_suffix(after));
+                // A prefix of a body ends with the line that joins it to the rest.
+                let is_joined = |owner: &str| owner.is_empty() || owner.ends_with('_');
+                let is_prefix = before.is_empty() && !after.starts_with('_');
+                owner.is_some_and(|owner| !is_prefix || is_joined(owner))
             }
             None => self.name == name,
         }
@@ -99,6 +104,9 @@ mod tests {
         assert_eq!(load.detail(), Some("both halves"));
         let drag = ReadOut::new("{body}drag_coefficient", "1", "drag coefficient");
         assert_eq!(drag.of("").name, "drag_coefficient");
+        assert!(drag.covers("ball_drag_coefficient") && !drag.covers("balldrag_coefficient"));
+        let stress = ReadOut::new("{part}_stress_max_pa", "Pa", "stress");
+        assert!(stress.covers("upper_panels_stress_max_pa"));
         assert_eq!(drag.label(), "drag coefficient");
         let time = ReadOut::new("time_s", "s", "time since release");
         assert!(time.of("sphere") == time && time.covers("time_s") && !time.covers("time"));

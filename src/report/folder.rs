@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::ledger::Ledger;
+use crate::ledger::{Ledger, State};
 use crate::measure::CHARTS;
 use crate::measure::shared::{DRAG_COEFFICIENT, FORCE_X};
 use crate::output::{ReadOut, Summary};
@@ -100,7 +100,16 @@ pub fn names(runs: &[Finished]) -> Vec<String> {
     let short: BTreeSet<String> = runs.iter().filter_map(last).collect();
     let whole = |run: &Finished| run.folder.display().to_string();
     let tells = short.len() == runs.len();
-    let name = |run: &Finished| last(run).filter(|_| tells).unwrap_or_else(|| whole(run));
+    let name = |run: &Finished| {
+        let name = last(run).filter(|_| tells).unwrap_or_else(|| whole(run));
+        let state = &run.summary.stop.state[..];
+        // Those of earlier versions tell none.
+        if state.is_empty() || state == State::Finished.name() {
+            name
+        } else {
+            format!("{name} ({state})")
+        }
+    };
     runs.iter().map(name).collect()
 }
 

@@ -214,7 +214,7 @@ pub(super) fn side_by_side(runs: &[Finished], all: bool) -> Markup {
                         @if number > 0 {
                             td {
                                 @if let Some(share) = row.relative(number) { (format!("{:+.1} %", 100.0 * share)) }
-                                @match row.beyond_intervals(number) { Some(true) => " beyond both intervals", Some(false) => " within the intervals", None => "" }
+                                @match row.beyond_intervals(number) { Some(true) => " beyond the intervals (in quadrature)", Some(false) => " within the intervals", None => "" }
                             }
                         }
                     }

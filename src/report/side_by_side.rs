@@ -16,12 +16,13 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Relative difference of a run's value from that of the first.
+    /// Relative difference of a run's value from that of the first; `None` where that is nothing, or cannot be told from it.
     #[must_use]
     pub fn relative(&self, run: usize) -> Option<f64> {
         let value = |run: usize| self.values.get(run)?.as_ref()?.value;
         let (first, other) = (value(0)?, value(run)?);
-        (first != 0.0).then(|| (other - first) / first.abs())
+        let interval = self.values[0].as_ref()?.confidence.unwrap_or(0.0);
+        (first.abs() > interval).then(|| (other - first) / first.abs())
     }
 
     /// Whether a run differs from the first by more than both intervals in quadrature; `None` without intervals, and where the set-up of either does not
@@ -99,6 +100,7 @@ mod tests {
         let far = row(of(0.80, 0.03), of(0.85, 0.03));
         assert_eq!(far.beyond_intervals(1), Some(true));
         assert_eq!(row(of(0.8, 0.1), None).relative(1), None);
+        assert_eq!(row(of(1e-8, 3e-7), of(-1e-5, 3e-7)).relative(1), None);
         let mut unsupported = far;
         if let Some(Some(second)) = unsupported.values.get_mut(1) {
             second.mark_unresolved("two cells");

@@ -14,6 +14,9 @@ use crate::output::{write_canopy_vtp, write_summary};
 use crate::report::{self, Finished};
 use crate::simulation::Diverged;
 
+/// How far the Reynolds number of flown sections may be from that of their polars, as a factor.
+const FLOWN_REYNOLDS: f64 = 2.0;
+
 /// What could not be delivered: the first error ends the run at last, all of them stand in its notes.
 #[derive(Default)]
 struct Undelivered {
@@ -102,9 +105,14 @@ impl Run<'_> {
             began.elapsed().as_secs_f64(),
             self.resumed_at_step,
         );
-        if let Some(what) = unbalanced.as_ref().filter(|_| !interrupted) {
+        let sought = self.sought().filter(|_| interrupted);
+        let unsettled = match sought {
+            Some(sought) => Some(format!("interrupted on the way to {sought}")),
+            None => (unbalanced.as_ref()).map(|what| format!("out of balance: {what}")),
+        };
+        if let Some(what) = unsettled {
             for (_, quantity) in summary.results.iter_mut() {
-                quantity.mark_unresolved(&format!("out of balance: {what}"));
+                quantity.mark_unresolved(&what);
             }
         }
         let path = self.folder.join("summary.json");
@@ -247,6 +255,16 @@ impl Run<'_> {
                 .extend(warnings.map(|warning| format!("warning: {warning}")));
         }
         let flight = (self.statics.trim.as_ref()).and_then(|trim| trim.flight.as_ref());
+        if let (Some(flight), Some(settings)) = (flight, &wing.trim) {
+            let flown = flight.reynolds_number(settings.density_kg_m3);
+            let given = settings.sections.reynolds;
+            let computed = settings.sections.polars.iter().any(Option::is_none);
+            if computed && !(given / FLOWN_REYNOLDS..=given * FLOWN_REYNOLDS).contains(&flown) {
+                self.notes.push(format!(
+                    "warning: the wing flies at a Reynolds number of {flown:.1e} on its mean chord, and the polars of its sections were computed for {given:.1e}: give equilibrium.trim.reynolds_number = {flown:.1e}"
+                ));
+            }
+        }
         if flight.is_some_and(|flight| !flight.is_covered) {
             self.notes.push(
                 "warning: some sections fly at angles of attack, or with their trailing edge turned, beyond their polars: drag and lift there are guesses"

@@ -97,8 +97,12 @@ pub(super) fn summarise(
         }
     }
     if simulation.largest_marker_motion() > MARKER_MOTION_LIMIT {
+        let what = match simulation.coupled() {
+            Some(Coupled::Links(_)) => "the sheet",
+            _ => "a marker",
+        };
         notes.push(format!(
-            "a marker moved {:.2} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \
+            "{what} moved {:.2} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \
              lower resolution.lattice_speed",
             simulation.largest_marker_motion()
         ));

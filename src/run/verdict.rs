@@ -1,9 +1,24 @@
 //! Whether the results of a run are those of its case.
 
 use super::Run;
+use crate::plan::{Phase, phases};
 use crate::simulation::LAST;
 
 impl Run<'_> {
+    /// What an interrupted run was looking for; `None` where it marched in time, which leaves means of what there was.
+    pub(super) fn sought(&self) -> Option<&'static str> {
+        match phases(&self.case.scene, &self.case.coarser).get(self.stand.phase_under_way())? {
+            Phase::Equilibrium => Some("an equilibrium"),
+            Phase::Trim => Some("a trim"),
+            Phase::PanelShaping => Some("the shape of the panels"),
+            Phase::LoadTest => Some("the end of the load test"),
+            Phase::OpenCanopy
+            | Phase::RaiseWind
+            | Phase::March { .. }
+            | Phase::ChangeLattice { .. } => None,
+        }
+    }
+
     /// What is not in balance at the end: the static equilibrium, or the steps of the fabric, unless the case allows those.
     pub(super) fn out_of_balance(&self) -> Option<String> {
         if self.stand.unbalanced {

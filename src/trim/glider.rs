@@ -134,6 +134,23 @@ pub struct Flight {
     pub loads: Loads,
 }
 
+/// Dynamic viscosity of air at 15 °C [Pa s].
+const VISCOSITY_PA_S: f64 = 1.79e-5;
+
+impl Flight {
+    /// Reynolds number of the mean chord, in air of a density [kg/m³].
+    #[must_use]
+    pub fn reynolds_number(&self, density_kg_m3: f64) -> f64 {
+        let areas = self
+            .strips
+            .iter()
+            .map(|strip| strip.chord_m * strip.width_m);
+        let spans = self.strips.iter().map(|strip| strip.width_m);
+        let chord_m = areas.sum::<f64>() / spans.sum::<f64>();
+        density_kg_m3 * self.balance.speed_m_s * chord_m / VISCOSITY_PA_S
+    }
+}
+
 /// What the air does to a shape at one angle of the stream, over the dynamic pressure.
 struct Sample {
     viscous: ViscousFlow,
@@ -202,7 +219,7 @@ impl<'a> Glider<'a> {
     /// Pitch of the chord in the middle, nose up [rad].
     #[must_use]
     pub fn pitch_rad(&self, positions_m: &[DVec3]) -> f64 {
-        let [nose, tail] = self.wing.middle_chord.map(|n| positions_m[n as usize]);
+        let [nose, tail] = self.wing.middle_chord_m(positions_m);
         (nose.z - tail.z).atan2(tail.x - nose.x)
     }
 

@@ -118,7 +118,7 @@ const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 7] {
     ]
 }
 
-const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
+const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 31] {
     [
         Rule {
             name: "cells across D_0",
@@ -281,6 +281,16 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
             supports: Supports::Everything,
             remedy: "raise the resolution",
             value: |of| matches!(of.kind, Kind::Round | Kind::Rigid).then(|| of.cells()),
+        },
+        Rule {
+            name: "cells across a flat body, cut links",
+            unit: "1",
+            meaning: "cells over a disk or plate across the stream; its drag hangs on where it stands between them, by 16, 8 and 1 % with 8, 16 and 24",
+            bound: Bound::AtLeast,
+            limit: 24.0,
+            supports: Supports::Means,
+            remedy: "raise the resolution, or take coupling.scheme = \"kernel\"",
+            value: |of| (of.is_flat() && of.is_bluff() && of.cuts_links()).then(|| of.cells()),
         },
         Rule {
             name: "overlap with another body",

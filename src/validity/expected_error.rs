@@ -66,6 +66,17 @@ const FLAT: Ladders = Ladders {
     ],
 };
 
+/// What cells add to the drag of a sphere and of a disk at Reynolds number 100 whose surfaces cut links (docs/results/2026-11-30-bodies-at-cut-links.md): nothing is
+/// calibrated there. The disk's are means over places between the cells, the last one of 24 and 32.
+const CLOSED_AT_LINKS: &[[f64; 2]] = &[
+    [6.0, 0.163],
+    [8.0, 0.079],
+    [12.0, 0.027],
+    [16.0, 0.011],
+    [24.0, 0.005],
+];
+const FLAT_AT_LINKS: &[[f64; 2]] = &[[8.0, 0.118], [12.0, 0.052], [16.0, 0.05], [32.0, 0.037]];
+
 /// What an outlet without a sponge may do to the drag at a distance of one diameter.
 const OUTLET: f64 = 0.03;
 
@@ -120,8 +131,13 @@ fn parts_of_drag(of: &Subject) -> Vec<(String, f64)> {
         part("cells", CELLS_OF_CANOPIES / of.cells());
         part("walls", WALLS_OF_CANOPIES * of.blockage());
     } else {
-        let cells = of.cells().max(ladders.cells[0][0]);
-        part("cells", interpolated(ladders.cells, cells, true));
+        let of_cells = match (of.cuts_links(), of.thickness_m) {
+            (true, Some(_)) => CLOSED_AT_LINKS,
+            (true, None) if of.is_flat() => FLAT_AT_LINKS,
+            _ => ladders.cells,
+        };
+        let cells = of.cells().max(of_cells[0][0]);
+        part("cells", interpolated(of_cells, cells, true));
         let walls = WALLS[0] * drag_coefficient(of) * of.blockage().powf(WALLS[1]);
         part("walls", walls);
     }

@@ -301,6 +301,12 @@ impl Subject<'_> {
         self.length_m / self.cell_m()
     }
 
+    /// True of a rigid disk or plate without thickness.
+    pub fn is_flat(&self) -> bool {
+        let shape = self.body.map(|body| &body.shape);
+        matches!(shape, Some(Shape::Disk { .. } | Shape::Plate { .. }))
+    }
+
     /// True where it cuts links of the lattice, in place of markers.
     pub fn cuts_links(&self) -> bool {
         let coupling = self.scene.coupling;

@@ -25,7 +25,6 @@ const STEPS: usize = 60;
 pub const TOLERANCE: f64 = 1e-7;
 
 /// Linear function of the changes of some stations' masses, of the stagnation point's shift, and of one.
-#[derive(Debug, Clone, Default)]
 struct Row {
     masses: Vec<f64>,
     shift: f64,

@@ -40,13 +40,25 @@ pub(super) fn line(
         .unwrap_or(&CORDS[CORDS.len() - 1]);
     let cord = named((table, "lines"), written, &CORDS, |cord| cord.name)?;
     let cord = *cord.unwrap_or(usual);
+    let times = cord.strength_n() * count / load_n;
     let why = format!(
-        "{}, {:.0} N: {:.1} times its share of an opening load of {load_n:.0} N",
+        "{}, {:.0} N: {} times its share of an opening load of {load_n:.0} N{}",
         cord.name,
         cord.strength_n(),
-        cord.strength_n() * count / load_n
+        two_digits(times),
+        if times < 1.0 { ", which tears it" } else { "" }
     );
     Ok((cord, why))
+}
+
+/// One decimal, or two digits where that is less than one.
+fn two_digits(value: f64) -> String {
+    let decimals = if value >= 0.95 {
+        1.0
+    } else {
+        1.0 - value.log10().floor()
+    };
+    format!("{value:.*}", decimals.clamp(1.0, 9.0) as usize)
 }
 
 /// Weight, stiffness and permeability of the cloth.

@@ -88,7 +88,7 @@ pub(super) fn expand(
         let structure = shape::table(canopy.kind);
         (canopy::derive(canopy, case)?, Some(structure), "canopy")
     } else if let Some(wing) = &design.wing {
-        (wing::derive(wing)?, Some("wing"), "wing")
+        (wing::derive(wing, case)?, Some("wing"), "wing")
     } else if let (Some(mesh), Some(table)) = (&design.mesh, own("mesh")) {
         let structure = (mesh.kind != MeshType::Rigid).then_some("mesh");
         (mesh::derive(mesh, table, folder)?, structure, "mesh")

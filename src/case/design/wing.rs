@@ -7,6 +7,7 @@ use toml::{Table, Value};
 use super::super::density::standard_density_kg_m3;
 use super::super::file::{Quality, WingClass, WingDesign};
 use super::super::problem::Problem;
+use super::super::text::{lookup, number};
 use super::super::values::{absent, positive, within};
 use super::derived::Keys;
 use super::units::{altitude_m, length, mass, rounded};
@@ -143,7 +144,7 @@ const fn fineness(quality: Quality) -> ([usize; 2], f64, Option<usize>) {
 }
 
 /// All keys that follow from a design.
-pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
+pub(super) fn derive(design: &WingDesign, case: &Table) -> Result<Keys, Problem> {
     let class = &Proportions::of(design.class);
     let aspect = design.aspect_ratio.unwrap_or(class.aspect_ratio);
     let aspect = within("wing.aspect_ratio", aspect, 2.5, 9.0)?;
@@ -200,7 +201,10 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     let quality = design.quality.unwrap_or(Quality::Normal);
     let [least, most] = pilots_kg(area_m2);
     let pilot_kg = pilot.map(|pilot| pilot.within(least, most)).transpose()?;
-    trim_of((area_m2, pilot_kg), altitude, quality, &mut keys)?;
+    // One that is written elsewhere than in the design has its own drag.
+    let written = lookup(case, "equilibrium.trim.pilot_mass_kg").and_then(number);
+    let pilots = [pilot_kg, written.filter(|mass| *mass > 0.0)];
+    trim_of((area_m2, pilots), altitude, quality, &mut keys)?;
     Ok(keys)
 }
 
@@ -209,9 +213,9 @@ fn pilots_kg(area_m2: f64) -> [f64; 2] {
     PILOTS_KG_M2.map(|per_area| per_area * area_m2)
 }
 
-/// Mesh, gravity, and the glide of a wing of some area with a pilot, or with as much as the area usually carries [m², kg].
+/// Mesh, gravity, and the glide of a wing of some area with a pilot, or with as much as the area usually carries, who has the drag of another where one is told [m², kg].
 pub(in crate::case) fn trim_of(
-    (area_m2, pilot_kg): (f64, Option<f64>),
+    (area_m2, [pilot_kg, drags_like_kg]): (f64, [Option<f64>; 2]),
     altitude_m: f64,
     quality: Quality,
     keys: &mut Keys,
@@ -234,7 +238,8 @@ pub(in crate::case) fn trim_of(
     let why_air = "standard atmosphere at its altitude";
     keys.set(trim("air_density_kg_m3"), density, why_air);
     keys.set(trim("pilot_mass_kg"), pilot_kg, why);
-    let drag_area_m2 = PILOT_DRAG_AREA_M2 * (pilot_kg / OF_PILOT_KG).powf(2.0 / 3.0);
+    let drag_area_m2 =
+        PILOT_DRAG_AREA_M2 * (drags_like_kg.unwrap_or(pilot_kg) / OF_PILOT_KG).powf(2.0 / 3.0);
     let why = "0.45 m² of 95 kg, with the mass to the power of 2/3";
     keys.set(trim("pilot_drag_area_m2"), drag_area_m2, why);
     if let Some(panels) = panels {

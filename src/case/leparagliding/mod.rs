@@ -168,7 +168,7 @@ fn keys(
         * scale_m
         * scale_m
         + 2.0 * chord(0) * ribs[0].span * scale_m * scale_m;
-    wing::trim_of((area_m2, pilot_kg), 0.0, Quality::Normal, &mut keys)
+    wing::trim_of((area_m2, [pilot_kg, None]), 0.0, Quality::Normal, &mut keys)
         .map_err(|problem| ImportFault::Pilot(problem.help))?;
     left_out
         .push("holes of ribs, trimmers, and materials: usual ones stand in their place".to_owned());

@@ -26,6 +26,23 @@ impl BuiltWing {
         }
     }
 
+    /// Outlines of both ribs beside the middle; of the one in the middle twice.
+    #[must_use]
+    pub fn middle_outlines(&self) -> [&[u32]; 2] {
+        [self.cells / 2, self.cells.div_ceil(2)].map(|rib| &self.outlines[rib][..])
+    }
+
+    /// Nose and trailing edge in the middle of the span [m], the mean of both ribs beside it.
+    #[must_use]
+    pub fn middle_chord_m(&self, positions_m: &[DVec3]) -> [DVec3; 2] {
+        [0, self.along_chord()].map(|k| {
+            let [left, right] = self
+                .middle_outlines()
+                .map(|nodes| positions_m[nodes[k] as usize]);
+            0.5 * (left + right)
+        })
+    }
+
     /// Edges across every cell.
     fn across_cell(&self) -> usize {
         let rows = self.rows_across.iter().flatten();

@@ -60,6 +60,11 @@ impl Stand {
         Ok(stand)
     }
 
+    /// Number of the phase that is under way.
+    pub(in crate::run) const fn phase_under_way(&self) -> usize {
+        self.phase
+    }
+
     /// True once all steps are behind the run.
     pub(in crate::run) fn is_after_time(&self, case: &Case) -> bool {
         let phases = phases(&case.scene, &case.coarser);
