@@ -16,6 +16,7 @@ pub fn trials() -> Vec<Trial> {
         plain("polar::a_mesh_is_cut_into_its_wing", mesh),
         plain("polar::thin_and_missing_things_are_told", refused),
         plain("polar::caps_are_counted", caps),
+        plain("polar::speeds_at_which_air_is_squeezed_are_told", squeezed),
         plain("polar::given_polars_know_no_brakes", given_polars),
         plain("polar::a_glider_over_bar_and_brakes", glider),
         plain("polar::a_polar_is_kept", kept),
@@ -151,6 +152,19 @@ fn with(text: &str) -> (tempfile::TempDir, String) {
     std::fs::write(&path, text).unwrap();
     let name = path.to_str().unwrap().to_owned();
     (folder, name)
+}
+
+/// The method knows air of one density; it says so of a wing that flies at half the speed of sound.
+fn squeezed() {
+    for (speed, told) in [("12.0", false), ("170.0", true)] {
+        let (folder, path) =
+            with(&SWEPT.replace("speed_m_s = 12.0", &format!("speed_m_s = {speed}")));
+        let out = folder.path().join("out");
+        let output = ripstop(&["polar", &path, "--out", out.to_str().unwrap()]);
+        assert_eq!(output.code, 0, "{}", output.errors);
+        let noted = output.printed.contains("0.50 times the speed of sound");
+        assert_eq!(noted, told, "{}", output.printed);
+    }
 }
 
 /// Air from the right on a swept wing with dihedral lifts the right half more. Straight air rolls, turns and pushes it nowhere.

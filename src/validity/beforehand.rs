@@ -285,7 +285,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 31] {
         Rule {
             name: "cells across a flat body, cut links",
             unit: "1",
-            meaning: "cells over a disk or plate across the stream; its drag hangs on where it stands between them, by 16, 8 and 1 % with 8, 16 and 24",
+            meaning: "cells over a disk or plate across the stream; its drag hangs on where it stands between them, by 16, 8 and 1.5 % with 8, 16 and 24",
             bound: Bound::AtLeast,
             limit: 24.0,
             supports: Supports::Means,

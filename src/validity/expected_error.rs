@@ -67,15 +67,24 @@ const FLAT: Ladders = Ladders {
 };
 
 /// What cells add to the drag of a sphere and of a disk at Reynolds number 100 whose surfaces cut links (docs/results/2026-11-30-bodies-at-cut-links.md): nothing is
-/// calibrated there. The disk's are means over places between the cells, the last one of 24 and 32.
+/// calibrated there. All are means over places between the cells.
 const CLOSED_AT_LINKS: &[[f64; 2]] = &[
-    [6.0, 0.163],
+    [4.0, 0.32],
+    [6.0, 0.158],
     [8.0, 0.079],
     [12.0, 0.027],
     [16.0, 0.011],
-    [24.0, 0.005],
+    [24.0, 0.004],
 ];
-const FLAT_AT_LINKS: &[[f64; 2]] = &[[8.0, 0.118], [12.0, 0.052], [16.0, 0.05], [32.0, 0.037]];
+const FLAT_AT_LINKS: &[[f64; 2]] = &[
+    [4.0, 0.29],
+    [6.0, 0.196],
+    [8.0, 0.118],
+    [12.0, 0.052],
+    [16.0, 0.05],
+    [24.0, 0.032],
+    [48.0, 0.026],
+];
 
 /// What an outlet without a sponge may do to the drag at a distance of one diameter.
 const OUTLET: f64 = 0.03;
