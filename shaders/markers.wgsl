@@ -2,18 +2,6 @@
 // markers that reach it by a lookup of that first cell: 4 x 4 rows of 4 neighbouring entries. Sums over markers have one order, so
 // spreading gives the same bits every time, without atomics on numbers.
 
-struct Marker {
-    // Number in the box of the first cell under the kernel.
-    corner: u32,
-    // Rest area [cells^2].
-    area: f32,
-    // How its kernel is folded at faces (folded_kernels.wgsl).
-    fold: u32,
-    padding: u32,
-    // Distance from the second cell under the kernel along x, y, z [cells], in 0..1.
-    fraction: vec4<f32>,
-}
-
 struct MarkerParameters {
     box_first: vec4<u32>,
     // In w: 1 where kernels go on through the sides of y, 2 through those of z; the box is the whole domain there.

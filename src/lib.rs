@@ -48,6 +48,8 @@
 //! Air and fabric are placed separately ([`plan::Placement`]), each in `cpu/` or in `gpu/`, where the files carry the same names;
 //! `shaders/` holds the device's kernels under those names too. Stages in italics are transfers, in the plan only where a device
 //! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric). `collide_ahead`, too, is in the plan only there; the next `collide_stream` has the cells that are left.
+//! Where one device has both and plain markers, it forms their reactions and forces itself (`gpu/cloth/marker_reactions.rs`, `simulation/meeting.rs`). `spread` comes before `fetch_nodes` then,
+//! which brings what the host's accounts need, and nothing else is fetched or sent at markers.
 //!
 //! Boxes of cells half as large ([`simulation::Levels`], `docs/refinement.md`) exchange what they know with the lattice around them after two of
 //! their steps (`fluid/transfer/`, `fluid/transfer.rs`).

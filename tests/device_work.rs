@@ -24,11 +24,15 @@ pub fn trials() -> Vec<Trial> {
     vec![
         needs_device(
             "device_work::a_step_with_fabric_on_the_host".to_owned(),
-            || step(ClothPlacement::Host),
+            || step(ClothPlacement::Host, Reactions::Plain),
         ),
         needs_device(
             "device_work::a_step_with_fabric_on_the_device".to_owned(),
-            || step(ClothPlacement::Device),
+            || step(ClothPlacement::Device, Reactions::Plain),
+        ),
+        needs_device(
+            "device_work::a_step_with_reactions_of_the_host".to_owned(),
+            || step(ClothPlacement::Device, Reactions::OfMeans),
         ),
         needs_device(
             "device_work::a_step_with_small_fabric_on_the_device".to_owned(),
@@ -92,14 +96,15 @@ fn released(
     overrides: &[&str],
     cloth: ClothPlacement,
 ) -> (Simulation, Vec<Stage>, Arc<Device>) {
-    released_on(own_device(BATCHES), case, overrides, cloth)
+    released_on(own_device(BATCHES), case, overrides, (cloth, 1))
 }
 
+/// The same on another device, where the fabric feels the air's mean over so many steps.
 fn released_on(
     device: Arc<Device>,
     case: &str,
     overrides: &[&str],
-    cloth: ClothPlacement,
+    (cloth, averaging_steps): (ClothPlacement, u32),
 ) -> (Simulation, Vec<Stage>, Arc<Device>) {
     let usual = [
         "air.wind_tunnel.start_time_s=0.002",
@@ -114,7 +119,9 @@ fn released_on(
             .map(|pair| (*pair).to_owned())
             .collect(),
     };
-    let case = case::parse("canopy", case, Path::new("."), &choices).unwrap();
+    let mut case = case::parse("canopy", case, Path::new("."), &choices).unwrap();
+    let coupling = case.scene.coupling.as_mut().unwrap();
+    coupling.averaging_steps = averaging_steps;
     let placement = Placement {
         air: AirPlacement::Gpu(Storage::F32),
         cloth,
@@ -134,28 +141,49 @@ fn released_on(
 
 const LINKS: &str = include_str!("../cases/flat-circular-tunnel.toml");
 
-/// Fabric that one workgroup solves: five dispatches of block-Jacobi and one of the solve, once more where it did not end.
+/// Fabric that one workgroup solves. Before the solve two dispatches form the reactions of the air and five block-Jacobi. Then come the solve, the forces on the air and how they are
+/// spread, once more where it did not end. One submission has all that, and one map brings what it did.
 fn step_with_small_fabric() {
     let small = Tuning {
         small_cloth_nodes: Some(usize::MAX),
         ..BATCHES
     };
     let cells = ["resolution.cells_per_diameter=10.0"];
-    let (mut simulation, stages, _) =
-        released_on(own_device(small), CANOPY, &cells, ClothPlacement::Device);
+    let (mut simulation, stages, _) = released_on(
+        own_device(small),
+        CANOPY,
+        &cells,
+        (ClothPlacement::Device, 1),
+    );
+    assert!(!stages.contains(&Stage::FetchAirVelocities));
+    // The first ones are timed, each by itself.
+    for _ in 0..TIMED {
+        simulation.advance().unwrap();
+    }
     let asked = |simulation: &Simulation| {
-        let solve = stages.iter().find(|stage| **stage == Stage::SolveCloth);
-        simulation.cost().of(*solve.unwrap()).device
+        let of = |stage: &Stage| simulation.cost().of(*stage).device;
+        let mut all = DeviceWork::default();
+        stages.iter().for_each(|stage| all += of(stage));
+        let mut solve = DeviceWork::default();
+        [Stage::SolveCloth, Stage::Spread, Stage::FetchNodes]
+            .iter()
+            .for_each(|stage| solve += of(stage));
+        [all, solve]
     };
     let before = asked(&simulation);
     for _ in 0..STEPS {
         simulation.advance().unwrap();
     }
-    let work = asked(&simulation).since(&before);
+    let now = asked(&simulation);
+    let [all, solve] = [0, 1].map(|which| now[which].since(&before[which]));
     // Software adapters go through eight trials at once, and MOST_EVALUATIONS is a mean.
-    assert!((STEPS..6 * STEPS).contains(&work.maps), "{work:?}");
-    assert_eq!(work.dispatches, 5 * STEPS + work.maps, "{work:?}");
-    assert_eq!(work.writes, 2 * STEPS, "{work:?}");
+    assert!((STEPS..6 * STEPS).contains(&solve.maps), "{solve:?}");
+    assert_eq!(solve.dispatches, 7 * STEPS + 3 * solve.maps, "{solve:?}");
+    assert_eq!(solve.writes, 2 * STEPS, "{solve:?}");
+    // One more where the sums of the momentum box are fetched.
+    assert!((solve.maps..=solve.maps + 1).contains(&all.maps), "{all:?}");
+    // The air by itself first, while the host works on the markers.
+    assert!(together(all.submits, STEPS + solve.maps), "{all:?}");
 }
 
 /// What a device does not solve in a step, the host solves from the same start: with three evaluations allowed neither ends, and the run is that of fabric on
@@ -282,10 +310,22 @@ fn standing_walls(friction: &str) {
     );
 }
 
+/// What the fabric feels of the air: the air of the step, or a mean over two, which the host forms.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reactions {
+    Plain,
+    OfMeans,
+}
+
 /// What a step asks for today. Whoever keeps more of the step on the device lowers these numbers.
-fn step(cloth: ClothPlacement) {
+fn step(cloth: ClothPlacement, reactions: Reactions) {
+    let averaging = match reactions {
+        Reactions::Plain => 1,
+        Reactions::OfMeans => 2,
+    };
     let cells = ["resolution.cells_per_diameter=10.0"];
-    let (mut simulation, stages, device) = released(CANOPY, &cells, cloth);
+    let (mut simulation, stages, device) =
+        released_on(own_device(BATCHES), CANOPY, &cells, (cloth, averaging));
     let asked = |simulation: &Simulation| {
         let mut sum = DeviceWork::default();
         for &stage in &stages {
@@ -315,25 +355,36 @@ fn step(cloth: ClothPlacement) {
     // A slow device gets its air in several parts, each a dispatch, a submit and a write; in one part it takes five dispatches.
     let more = parts(&simulation) - parts_before - 5 * STEPS;
     let submits = work.submits - more;
-    match cloth {
+    match (cloth, reactions) {
         // The outflow, spread and collide_stream together, then the markers and what is interpolated to them; one map of the air's velocities. The
         // inlet and the sides of y and of z take a dispatch each.
-        ClothPlacement::Host => {
+        (ClothPlacement::Host, _) => {
             assert!(together(submits, 2 * STEPS), "{work:?}");
             let counts = (work.maps, work.dispatches - more, work.writes - more);
             assert_eq!(counts, (STEPS, 10 * STEPS, 5 * STEPS), "{work:?}");
         }
         // Besides: one submit and one map per batch of trials, which most solves need one of: 51 were found in 40 steps, on Mesa's software adapter
         // and on an NVIDIA H100. A solve at the edge of a batch needs one more or less by round-off.
-        ClothPlacement::Device => {
-            let batches = work.maps - STEPS;
+        // Where the device forms reactions and forces itself, these are all that there is of either: forces are formed and spread after every batch.
+        (ClothPlacement::Device, _) => {
+            let of_host = if reactions == Reactions::Plain {
+                0
+            } else {
+                STEPS
+            };
+            let batches = work.maps - of_host;
             assert!(batches >= STEPS && 2 * batches <= 3 * STEPS, "{work:?}");
-            assert!(together(submits, 2 * STEPS + batches), "{work:?}");
+            // The air by itself first, while the host works on the markers.
+            assert!(together(submits, STEPS + of_host + batches), "{work:?}");
             // Loads are written again where they have changed.
-            let writes = work.writes - more;
-            assert!((14 * STEPS..=15 * STEPS).contains(&writes), "{work:?}");
+            let writes = work.writes - more - of_host;
+            assert!((13 * STEPS..=14 * STEPS).contains(&writes), "{work:?}");
             // Start and trials of four kinds of elements; trials beyond the last that is needed have no workgroups.
-            let in_trials = work.dispatches - more - 23 * STEPS - batches;
+            let others = match reactions {
+                Reactions::Plain => 24 * STEPS + 3 * batches,
+                Reactions::OfMeans => 23 * STEPS + batches,
+            };
+            let in_trials = work.dispatches - more - others;
             assert_eq!(in_trials % 9, 0, "{work:?}");
             let (trials, needed) = (in_trials / 9, evaluations - STEPS);
             assert!(

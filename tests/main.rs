@@ -57,6 +57,7 @@ mod keeping;
 mod lep_sim;
 mod levels;
 mod long_histories;
+mod meeting;
 mod mesh_files;
 mod mesh_findings;
 mod mesh_seams;
@@ -126,6 +127,7 @@ fn main() -> std::process::ExitCode {
         lep_sim::trials(),
         levels::trials(),
         long_histories::trials(),
+        meeting::trials(),
         mesh_files::trials(),
         mesh_findings::trials(),
         mesh_seams::trials(),

@@ -172,6 +172,12 @@ pub const DEVICE_CANOPY_IMPULSE: f64 = 5e-3;
 /// Impulse on a folded canopy over its first five steps at cut links: single and double precision on the CPU lie 0.5 % apart there.
 pub const DEVICE_LINKS_IMPULSE: f64 = 0.02;
 
+/// Force along a plate across the stream over its drag, at cut links on 8 cells; 0.026 where its two edges cut different links.
+pub const ALONG_A_PLATE: f64 = 1e-3;
+
+/// Routes of the force in the first sixty steps of a folded canopy with a kernel, over the impulse: the solver's tolerance of 1e-4, and single precision.
+pub const MEETING: f64 = 1e-3;
+
 /// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.
 pub const DEVICE_OPENING: f64 = 0.03;
 /// Diameter and impulse of a canopy after 0.01 s in a box of finer cells against finest cells throughout, in the same tunnel (2e-3): what 6 cells

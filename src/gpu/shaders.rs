@@ -77,19 +77,19 @@ stored_shaders! {
     CUT_LINKS = "cut_links": "threads.wgsl", "arrays.wgsl", "cut_links.wgsl";
     REPEAT_PLANE = "repeat_plane": "threads.wgsl", "repeat_plane.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
-    INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "plain_kernels.wgsl",
+    INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "marker.wgsl", "markers.wgsl", "plain_kernels.wgsl",
         "interpolate.wgsl";
-    INTERPOLATE_FOLDED = "interpolate_folded": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl",
+    INTERPOLATE_FOLDED = "interpolate_folded": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "marker.wgsl", "markers.wgsl",
         "folded_kernels.wgsl", "interpolate.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
 }
 
 shaders! {
-    SPREAD = "spread": "threads.wgsl", "markers.wgsl", "plain_kernels.wgsl", "spread.wgsl";
-    SPREAD_FOLDED = "spread_folded": "threads.wgsl", "markers.wgsl", "folded_kernels.wgsl", "spread.wgsl";
-    REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "markers.wgsl", "plain_kernels.wgsl", "repeat_forcing.wgsl";
+    SPREAD = "spread": "threads.wgsl", "marker.wgsl", "markers.wgsl", "plain_kernels.wgsl", "spread.wgsl";
+    SPREAD_FOLDED = "spread_folded": "threads.wgsl", "marker.wgsl", "markers.wgsl", "folded_kernels.wgsl", "spread.wgsl";
+    REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "marker.wgsl", "markers.wgsl", "plain_kernels.wgsl", "repeat_forcing.wgsl";
     REPEAT_FORCING_FOLDED = "repeat_forcing_folded":
-        "threads.wgsl", "markers.wgsl", "folded_kernels.wgsl", "repeat_forcing.wgsl";
+        "threads.wgsl", "marker.wgsl", "markers.wgsl", "folded_kernels.wgsl", "repeat_forcing.wgsl";
     EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     NODAL_FORCES = "nodal_forces":
@@ -106,6 +106,8 @@ shaders! {
         "threads.wgsl", "block_rows.wgsl", "symmetric_block.wgsl", "multigrid_refresh.wgsl";
     VECTORS = "vectors":
         "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "vectors.wgsl";
+    MARKER_REACTIONS = "marker_reactions":
+        "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "marker.wgsl", "marker_reactions.wgsl";
     MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimiser.wgsl", "minimise.wgsl";
     SMALL_CLOTH = "small_cloth":
         "threads.wgsl", "cloth.wgsl", "minimiser.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "elements.wgsl",

@@ -91,6 +91,13 @@ impl Plan {
         planned.map(|planned| planned.every)
     }
 
+    /// True if a device that has air and fabric forms the reactions at markers itself: nothing that it interpolates has to be fetched before the fabric is solved.
+    #[must_use]
+    pub fn reacts_on_device(&self) -> bool {
+        let has = |stage| self.every(stage).is_some();
+        has(Stage::SendMarkers) && !has(Stage::FetchAirVelocities)
+    }
+
     /// Steps while the wind rises, and from release to the end.
     fn step_counts(scene: &Scene) -> (u64, u64) {
         let start_s = match scene.air.as_ref().map(|air| &air.flow) {

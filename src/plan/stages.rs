@@ -1,8 +1,8 @@
 //! The order of a step: the only place that knows it.
 
-use super::{Placement, structure_every};
+use super::{Placement, steps_take_multigrid, structure_every};
 use crate::case::Scene;
-use crate::case::coupling::Scheme;
+use crate::case::coupling::{Friction, Scheme};
 
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub enum Stage {
     SendNodes,
     /// Implicit step of fabric and cables with the reaction of the air inside.
     SolveCloth,
-    /// Transfer: node positions from device to host.
+    /// Transfer: node positions from device to host; with them u*, strengths and forces at markers, where the device forms reactions itself.
     FetchNodes,
     /// What comes back along cut links, with the velocity that the surfaces now have.
     Bounce,
@@ -50,7 +50,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// All stages, in the order of a step.
+    /// All stages, in the order of a step; where the device forms reactions itself, `spread` comes before `fetch_nodes`.
     pub const ALL: [Self; 20] = [
         Self::EddyViscosity,
         Self::CollideStream,
@@ -118,7 +118,9 @@ impl Stage {
             Self::FetchLinks => "what left along cut links, device -> host",
             Self::FetchAirVelocities => "air velocity at markers, device -> host",
             Self::SendNodes => "nodes, loads, reactions of the air, host -> device",
-            Self::FetchNodes => "node positions, device -> host",
+            Self::FetchNodes => {
+                "node positions and what was not fetched at markers, device -> host"
+            }
             Self::SendMarkerForces => "marker forces, host -> device",
             Self::Interpolate => "populations, marker positions -> air velocity at markers",
             Self::SolveCloth => {
@@ -189,7 +191,8 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         if links && placement.air_on_device() {
             add(Stage::FetchLinks, 1);
         }
-        if air_on_device {
+        let reacts = reacts_on_device(scene, placement);
+        if air_on_device && !reacts {
             add(Stage::FetchAirVelocities, 1);
         }
         if scene.body.is_some() {
@@ -198,17 +201,20 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
                 add(Stage::SendNodes, every);
             }
             add(Stage::SolveCloth, every);
+            if reacts {
+                add(Stage::Spread, 1);
+            }
             if placement.cloth_on_device() {
                 add(Stage::FetchNodes, every);
             }
         }
-        if air_on_device {
+        if air_on_device && !reacts {
             add(Stage::SendMarkerForces, 1);
         }
         if links {
             add(Stage::Bounce, 1);
         }
-        if kernel {
+        if kernel && !reacts {
             add(Stage::Spread, 1);
         }
         if scene.coupling.is_some_and(|c| c.passes > 1) {
@@ -221,6 +227,26 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
     add(Stage::Measure, 1);
     add(Stage::Output, 1);
     stages
+}
+
+/// True where a device that has air and fabric forms the reactions at markers itself, and their forces on the air. All that happens at a marker is the plain reaction then: one
+/// pass, u* of the step itself, fabric alone that air neither passes nor slides along. The device decides in the solve, too.
+fn reacts_on_device(scene: &Scene, placement: &Placement) -> bool {
+    let (Some(body), Some(coupling)) = (&scene.body, &scene.coupling) else {
+        return false;
+    };
+    let slides =
+        (scene.friction.as_ref()).is_some_and(|friction| friction.fabric.contains(&Friction::None));
+    coupling.scheme == Scheme::Kernel
+        && placement.air_on_device()
+        && placement.cloth_on_device()
+        && coupling.passes == 1
+        && coupling.averaging_steps == 1
+        && structure_every(scene) == 1
+        && scene.rigid_bodies.is_empty()
+        && body.structure.permeability.is_none()
+        && !slides
+        && !steps_take_multigrid(scene)
 }
 
 /// True where a device may begin the next step of cells that the structure does not touch. The host must have something to do meanwhile, and nothing that the

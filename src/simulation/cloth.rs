@@ -117,6 +117,9 @@ impl Simulation {
         if self.starts_in_parts() {
             return self.solve_first_parts();
         }
+        if self.plan.reacts_on_device() {
+            return self.begin_on_device();
+        }
         let on_device = self.cloth_engine.is_device();
         if !on_device {
             self.begin_solve();
@@ -137,14 +140,23 @@ impl Simulation {
         if !self.solves_now() || self.adaptive.is_some() || self.starts_in_parts() {
             return Ok(());
         }
+        if self.plan.reacts_on_device() {
+            return self.fetch_from_device();
+        }
         let before = self.before();
+        let left = self.take_nodes()?;
+        self.judge(left)?;
+        self.end_solve(before)
+    }
+
+    /// Takes the nodes from the device, or solves what it left to the host; then the outcome of that.
+    pub(super) fn take_nodes(&mut self) -> Result<Option<Outcome>, DeviceError> {
         let left = self.with_fabric(|engine, cloth, input, settings| {
             engine.fetch_nodes(cloth, input, settings)
         });
         let left = left.transpose()?.flatten();
         self.cost.left_to_host += u64::from(left.is_some());
-        self.judge(left)?;
-        self.end_solve(before)
+        Ok(left)
     }
 
     /// Gathers what the next solve needs to know.
@@ -152,8 +164,12 @@ impl Simulation {
         self.begin_energy();
         self.begin_span();
         self.haul_to_the_end_of_the_span();
-        if let Some(coupled) = &mut self.coupled {
-            coupled.gather_reactions();
+        match &mut self.coupled {
+            Some(Coupled::Kernel(kernel)) if self.plan.reacts_on_device() => {
+                kernel.forget_reactions();
+            }
+            Some(coupled) => coupled.gather_reactions(),
+            None => {}
         }
     }
 
@@ -164,7 +180,7 @@ impl Simulation {
     }
 
     /// Solves anew over fewer steps where the fabric moves too far; then the solution stands.
-    fn end_solve(&mut self, before: Option<StructureState>) -> Result<(), Failure> {
+    pub(super) fn end_solve(&mut self, before: Option<StructureState>) -> Result<(), Failure> {
         if let Some(before) = before {
             while self.take_back(&before) {
                 self.haul_to_the_end_of_the_span();
@@ -203,7 +219,7 @@ impl Simulation {
     }
 
     /// Counts a solve, and ends the run where it is not finite.
-    fn judge(&mut self, outcome: Option<Outcome>) -> Result<(), Failure> {
+    pub(super) fn judge(&mut self, outcome: Option<Outcome>) -> Result<(), Failure> {
         if let Some(outcome) = &outcome {
             self.count(outcome);
         }
@@ -211,7 +227,7 @@ impl Simulation {
     }
 
     /// Gives the engine, the fabric, what acts on it in the present span, and how hard to try; `None` where there is no fabric.
-    fn with_fabric<R>(
+    pub(super) fn with_fabric<R>(
         &mut self,
         act: impl FnOnce(&mut ClothEngine, &mut Cloth, &StepInput, &SolverSettings) -> R,
     ) -> Option<R> {

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::air::needed;
+use super::air::{apart, needed};
 use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
+use crate::gpu::cloth::{AtMarkers, MarkersInAir};
 use crate::gpu::{self, Device, DeviceError};
 use crate::plan::ClothPlacement;
 use crate::solve::lbfgs::{Outcome, Watch};
@@ -28,23 +29,51 @@ pub struct OnDevice {
     keeps_all: bool,
 }
 
+/// Where the air meets the fabric.
+#[derive(Debug, Default)]
+pub(super) struct Met<'a> {
+    /// At markers (triangle, barycentric weights);
+    pub markers: &'a [(u32, [f64; 3])],
+    /// in the air of the device that has the fabric, which forms their reactions itself;
+    pub in_air: Option<MarkersInAir>,
+    /// or on triangles that cut its lattice.
+    pub cut: bool,
+}
+
 impl OnDevice {
+    /// True if it leaves what it does not solve to the host.
+    const fn leaves(&self, input: &StepInput) -> bool {
+        input.time_step_s.is_some() && !self.keeps_all
+    }
+
+    /// How hard it tries.
+    fn limited(&self, input: &StepInput, settings: &SolverSettings) -> SolverSettings {
+        let limit = if self.leaves(input) {
+            STEP_PATIENCE
+        } else {
+            usize::MAX
+        };
+        SolverSettings {
+            evaluation_limit: settings.evaluation_limit.min(limit),
+            ..*settings
+        }
+    }
+
     /// `None` where the solve is left to the host.
+    fn take(&mut self, outcome: Outcome, leaves: bool) -> Option<Outcome> {
+        self.left = (leaves && !outcome.stop.reached()).then_some(outcome);
+        self.left.is_none().then_some(outcome)
+    }
+
     fn solve_cloth(
         &mut self,
         cloth: &Cloth,
         input: &StepInput,
         settings: &SolverSettings,
     ) -> Result<Option<Outcome>, DeviceError> {
-        let leaves = input.time_step_s.is_some() && !self.keeps_all;
-        let limit = if leaves { STEP_PATIENCE } else { usize::MAX };
-        let settings = SolverSettings {
-            evaluation_limit: settings.evaluation_limit.min(limit),
-            ..*settings
-        };
+        let settings = self.limited(input, settings);
         let outcome = self.cloth.solve_cloth(&cloth.structure, input, &settings)?;
-        self.left = (leaves && !outcome.stop.reached()).then_some(outcome);
-        Ok(self.left.is_none().then_some(outcome))
+        Ok(self.take(outcome, self.leaves(input)))
     }
 
     /// Takes the solution, or solves what was left; then what both did.
@@ -76,11 +105,11 @@ pub struct Solved {
 }
 
 impl ClothEngine {
-    /// The engine for the fabric, if there is any. The air acts at markers (triangle, barycentric weights), or on triangles that are `cut`.
+    /// The engine for the fabric, if there is any.
     pub(super) fn new(
         placement: ClothPlacement,
         cloth: Option<&Cloth>,
-        (markers, cut): (&[(u32, [f64; 3])], bool),
+        met: Met,
         device: Option<&Arc<Device>>,
     ) -> Result<Self, DeviceError> {
         match (placement, cloth) {
@@ -88,10 +117,12 @@ impl ClothEngine {
             (ClothPlacement::Device, Some(cloth)) => {
                 let device = Arc::clone(needed(device)?);
                 let structure = &cloth.structure;
-                let engine = if cut {
-                    gpu::cloth::Cloth::new_cut(device, structure)?
-                } else {
-                    gpu::cloth::Cloth::new(device, structure, markers)?
+                let engine = match met.in_air {
+                    Some(air) => {
+                        gpu::cloth::Cloth::new_in_air(device, structure, met.markers, air)?
+                    }
+                    None if met.cut => gpu::cloth::Cloth::new_cut(device, structure)?,
+                    None => gpu::cloth::Cloth::new(device, structure, met.markers)?,
                 };
                 Ok(Self::Device(Box::new(OnDevice {
                     cloth: engine,
@@ -137,6 +168,45 @@ impl ClothEngine {
         match self {
             Self::Host => Ok(Some(cloth.solve_cloth(input, settings))),
             Self::Device(engine) => engine.solve_cloth(cloth, input, settings),
+        }
+    }
+
+    /// Stage `solve_cloth` of fabric whose markers are in the air of the device. It is begun, and waited for with [`Self::bring_solution`].
+    pub(super) fn begin_solve(
+        &mut self,
+        cloth: &Cloth,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => {
+                let settings = engine.limited(input, settings);
+                (engine.cloth).begin_solve(&cloth.structure, input, &settings)
+            }
+        }
+    }
+
+    /// Forms the forces of these markers on the air, by where the minimiser stands.
+    pub(super) fn react_back(&self) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => engine.cloth.react_back(),
+        }
+    }
+
+    /// What the device found and did at these markers, and the outcome of the solve (`None` where it is left to the host, until [`Self::fetch_nodes`]). Nothing while
+    /// the solve goes on, with forces to be formed anew.
+    pub(super) fn bring_solution(
+        &mut self,
+    ) -> Result<Option<(Option<Outcome>, AtMarkers)>, DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => {
+                let brought = engine.cloth.bring_solution()?;
+                let leaves = !engine.keeps_all;
+                Ok(brought.map(|(outcome, at)| (engine.take(outcome, leaves), at)))
+            }
         }
     }
 

@@ -79,6 +79,14 @@ impl Coupled {
         both!(self, coupling => coupling.units())
     }
 
+    /// The kernel's side, to be changed.
+    pub(super) const fn kernel_mut(&mut self) -> Option<&mut KernelCoupling> {
+        match self {
+            Self::Kernel(kernel) => Some(kernel),
+            Self::Links(_) => None,
+        }
+    }
+
     /// The kernel's side, where there is one.
     pub(super) const fn kernel(&self) -> Option<&KernelCoupling> {
         match self {
@@ -210,6 +218,13 @@ impl Coupled {
         match self {
             Self::Kernel(kernel) => left(kernel.interpolate(air, cloth, time_s)),
             Self::Links(_) => Ok(Ok(())),
+        }
+    }
+
+    /// Has a device begin with what `fetch_air_velocities` takes.
+    pub(super) fn ask_air_velocities(&mut self) {
+        if let Self::Kernel(kernel) = self {
+            kernel.ask_air_velocities();
         }
     }
 

@@ -56,10 +56,13 @@ impl Simulation {
             return Ok(());
         };
         let done = coupled.interpolate(air.finest(), self.cloth.as_ref(), time_s)?;
+        if !self.plan.reacts_on_device() {
+            coupled.ask_air_velocities();
+        }
         self.still_inside(done)
     }
 
-    pub(super) fn fetch_air_velocities(&mut self) -> Result<(), Failure> {
+    pub(super) fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
         if let Some(coupled) = &mut self.coupled {
             coupled.fetch_air_velocities()?;
         }
@@ -101,11 +104,32 @@ impl Simulation {
         }
     }
 
-    pub(super) fn spread(&mut self) {
+    pub(super) fn spread(&mut self) -> Result<(), DeviceError> {
+        if self.plan.reacts_on_device() {
+            if self.solves_now() {
+                return self.spread_on_device();
+            }
+            // While the fabric is held, nothing is solved.
+            self.fetch_air_velocities()?;
+            self.send_marker_forces();
+        }
+        self.spread_forces();
+        Ok(())
+    }
+
+    /// Stage `spread` of forces that the host has formed or sent.
+    pub(super) fn spread_forces(&mut self) {
         let time_s = self.time_at(self.step + 1);
         if let Some(coupled) = &mut self.coupled {
             let released = self.step >= self.plan.start_steps;
             coupled.spread(self.cloth.as_ref(), time_s, released);
+            self.note_motion();
+        }
+    }
+
+    /// Notes how far the fastest marker moves.
+    pub(super) fn note_motion(&mut self) {
+        if let Some(coupled) = &self.coupled {
             let every = self.cadence.map_or(1, |cadence| cadence.every());
             let motion = coupled.fastest_marker() * f64::from(every);
             self.largest_marker_motion = self.largest_marker_motion.max(motion);

@@ -3,6 +3,7 @@
 //! * markers: the sum of what `spread` delivered to the air, reversed;
 //! * momentum box: storage and fluxes of populations through a box around the structure, reversed;
 //! * supports: pull of the lines on their supports, or of a plate on its held edge, plus the change of the structure's own momentum, minus gravity and guides, plus the numerical damping's.
+//!   With a kernel the air gets a step later what the fabric feels; what it is owed is left out, so that all three tell of the same.
 //!
 //! The mean force over any window is a difference of impulses over its length: exact, and free of sampling noise.
 
@@ -48,6 +49,8 @@ pub struct Impulses {
     /// The box's mass is known only while it holds the surfaces: what leaves along links that they cut across its faces comes back unseen.
     cut_links_leave: bool,
     markers: [f64; 3],
+    /// Force of the fabric on the air that was delivered last [lattice units].
+    delivered: [f64; 3],
     /// Of every rigid body.
     bodies: Vec<Load>,
     initial: MassMomentum,
@@ -202,6 +205,7 @@ impl Impulses {
             cut_links_leave: scene.coupling.is_some_and(|c| c.scheme == Scheme::Links)
                 && !scene.passes_through_a_face(),
             markers: [0.0; 3],
+            delivered: [0.0; 3],
             bodies: vec![Load::default(); bodies.len()],
             initial: MassMomentum::default(),
             supports: DVec3::ZERO,
@@ -277,10 +281,8 @@ impl Impulses {
 
     /// The air has just been given what the structure does to it: collided under the forces of the last `spread`, or bounced; formed at `time_s`.
     pub(super) fn add_delivered(&mut self, coupled: &Coupled, time_s: f64) {
-        let force = coupled.fabric_force_on_air();
-        for a in 0..3 {
-            self.markers[a] -= force[a];
-        }
+        self.delivered = coupled.fabric_force_on_air();
+        self.markers = std::array::from_fn(|a| self.markers[a] - self.delivered[a]);
         for (sum, load) in self.bodies.iter_mut().zip(coupled.body_loads(time_s)) {
             sum.add(&load);
         }
@@ -354,11 +356,12 @@ impl Impulses {
             pull += gravity * mass;
         }
         let loads = structure.loads_n.iter().zip(&structure.held);
-        pull += loads
-            .filter(|(_, held)| !**held)
-            .map(|(load, _)| *load)
-            .sum::<DVec3>();
+        let free = loads.filter(|(_, held)| !**held);
+        pull += free.map(|(load, _)| *load).sum::<DVec3>();
         self.supports += given_kg_m_s - pull * self.units.time_step_s;
+        // What the fabric felt now, the air may still be owed; what it was owed before, it has got.
+        let [owed, got] = [coupled.fabric_force_on_air(), self.delivered].map(DVec3::from_array);
+        self.supports += (owed - got) * self.units.impulse_n_s();
         Ok(())
     }
 
@@ -400,12 +403,12 @@ impl Impulses {
             })
             .collect();
         let on_all: DVec3 = on_bodies.iter().map(|body| body.force).sum();
+        momentum_box = momentum_box.map(|all| all + inner);
         if cloth.is_some() {
             // The box holds fabric and bodies.
-            momentum_box = momentum_box.map(|all| all + inner - on_all);
+            momentum_box = momentum_box.map(|all| all - on_all);
         } else {
             markers = on_all;
-            momentum_box = momentum_box.map(|all| all + inner);
         }
         let mass = self.balance.volume().cell_count() as f64 + self.initial.mass_excess;
         Ok(ImpulseSample {

@@ -28,6 +28,7 @@ use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, MarkerReaction};
 use crate::gpu::DeviceError;
+use crate::gpu::cloth::{AtMarkers, MarkersInAir};
 use crate::immersed::markers::Marker;
 use crate::immersed::permeable::Permeable;
 use crate::immersed::touched::OutOfDomain;
@@ -260,6 +261,30 @@ impl KernelCoupling {
         Ok(Ok(()))
     }
 
+    /// Has a device begin with what the next stage but one takes.
+    pub(super) fn ask_air_velocities(&mut self) {
+        self.immersed.ask_air_velocities();
+    }
+
+    /// The markers for fabric on the device that has the air; `None` on the CPU.
+    pub(super) fn in_air(&self) -> Option<MarkersInAir> {
+        self.immersed.in_air(&self.units)
+    }
+
+    /// Nothing is known of the air's reactions until the device tells of the next solve.
+    pub(super) fn forget_reactions(&mut self) {
+        self.reactions.clear();
+    }
+
+    /// Takes what a device found and did at the markers by itself, and makes the reactions that the fabric felt.
+    pub(super) fn take_brought(&mut self, at_markers: &AtMarkers) {
+        if let Some(total) = self.immersed.take_brought(at_markers) {
+            self.force_on_air = total;
+        }
+        self.add_air_velocities();
+        self.gather_reactions();
+    }
+
     /// Stage `fetch_air_velocities`.
     pub(super) fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
         self.immersed.fetch_air_velocities()?;
@@ -336,7 +361,7 @@ impl KernelCoupling {
     }
 
     /// Velocities for a step that ends at `time_s`; before release all is held.
-    fn take_velocities(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
+    pub(super) fn take_velocities(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
         if let Some(cloth) = cloth.filter(|_| released) {
             for (velocity, marker) in self.velocities.iter_mut().zip(&self.markers) {
                 *velocity =
@@ -384,6 +409,12 @@ impl KernelCoupling {
         if let Some(total) = self.immersed.send_marker_forces(targets) {
             self.force_on_air = total;
         }
+    }
+
+    /// Stage `spread` of forces that a device has formed itself.
+    pub(super) fn spread_brought(&mut self) {
+        // A device takes no targets.
+        self.immersed.spread(&[]);
     }
 
     /// Stage `spread`.

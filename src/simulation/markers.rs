@@ -4,11 +4,13 @@ use super::air::{AirEngine, apart, each_engine};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::BodyForce;
 use crate::cpu::immersed::{self, Immersed};
+use crate::gpu::cloth::{AtMarkers, MarkersInAir};
 use crate::gpu::fluid::ForceBox;
 use crate::gpu::{self, DeviceError};
 use crate::immersed::folds::Folds;
 use crate::immersed::touched::{Domain, OutOfDomain};
 use crate::lattice::grid::Setup;
+use crate::units::Units;
 
 /// Markers in the air.
 #[derive(Debug)]
@@ -148,6 +150,33 @@ impl MarkerEngine {
                 Ok(Ok(()))
             }
             (Self::Cpu(_) | Self::Gpu(_), _) => Err(apart()),
+        }
+    }
+
+    /// Has a device begin with what `fetch_air_velocities` will take; nothing on the CPU.
+    pub fn ask_air_velocities(&mut self) {
+        if let Self::Gpu(markers) = self {
+            markers.ask_air_velocities();
+        }
+    }
+
+    /// Takes what a device found and did at the markers by itself; returns the sum of the forces on the air [lattice units], `None` on the CPU.
+    pub(super) fn take_brought(&mut self, at_markers: &AtMarkers) -> Option<[f64; 3]> {
+        match self {
+            Self::Cpu(_) => None,
+            Self::Gpu(markers) => {
+                Some(markers.take_brought(&at_markers.states, &at_markers.forces))
+            }
+        }
+    }
+
+    /// The markers for fabric on the device that has the air; `None` on the CPU.
+    pub(super) fn in_air(&self, units: &Units) -> Option<MarkersInAir> {
+        match self {
+            Self::Cpu(_) => None,
+            Self::Gpu(markers) => {
+                Some(markers.in_air(units.stiffness_kg_s(), [units.speed_m_s(), units.force_n()]))
+            }
         }
     }
 

@@ -28,6 +28,7 @@ mod levels;
 mod link_coupling;
 mod looks;
 mod markers;
+mod meeting;
 mod opening;
 mod panels;
 mod parts;
@@ -53,6 +54,7 @@ pub use bodies::Load;
 pub use cadence::Cadence;
 pub use checkpoint::POSITIONS_SECTION;
 pub use cloth_engine::ClothEngine;
+use cloth_engine::Met;
 pub use cost::{Cost, StageCost};
 pub use coupled::{Coupled, LeftTheAir};
 pub use cut_surface::{CutReaction, CutSurface};
@@ -171,7 +173,9 @@ impl Simulation {
         let Some(loading) = &canopy.loading else {
             return Ok(());
         };
-        let opening = opening::open(cloth, canopy, loading, &settings).map_err(Failure::Start)?;
+        // Small fabric has short loops: on one of the threads that compute, none has to wake another and wait for it.
+        let opening = rayon::scope(|_| opening::open(cloth, canopy, loading, &settings));
+        let opening = opening.map_err(Failure::Start)?;
         self.opening = Some(opening);
         if self.plan.start_steps == 0 {
             self.start_impulses()?;
@@ -198,12 +202,16 @@ impl Simulation {
             .flat_map(Coupled::markers)
             .map(|marker| (marker.triangle, marker.weights))
             .collect();
-        let cloth_engine = ClothEngine::new(
-            plan.placement.cloth,
-            cloth.as_ref(),
-            (&markers, matches!(coupled, Some(Coupled::Links(_)))),
-            device.as_ref(),
-        )?;
+        let kernel = coupled.as_ref().and_then(Coupled::kernel);
+        let met = Met {
+            markers: &markers,
+            in_air: kernel
+                .filter(|_| plan.reacts_on_device())
+                .and_then(KernelCoupling::in_air),
+            cut: matches!(coupled, Some(Coupled::Links(_))),
+        };
+        let cloth_engine =
+            ClothEngine::new(plan.placement.cloth, cloth.as_ref(), met, device.as_ref())?;
         let impulses = match (&scene.air, &air, &coupled) {
             (Some(settings), Some(engine), Some(_)) => {
                 let finest = engine.finest();
@@ -312,7 +320,7 @@ impl Simulation {
                 Stage::SolveCloth => self.solve_cloth()?,
                 Stage::FetchNodes => self.fetch_nodes()?,
                 Stage::SendMarkerForces => self.send_marker_forces(),
-                Stage::Spread => self.spread(),
+                Stage::Spread => self.spread()?,
                 Stage::RepeatForcing => self.repeat_forcing()?,
                 Stage::FetchMarkerForces => self.fetch_marker_forces()?,
                 Stage::Measure => self.accumulate()?,

@@ -5,6 +5,7 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::cloth::REFRESH_EVERY;
+use super::cloth_engine::Met;
 use super::coupled::Coupled;
 use super::{ClothEngine, Failure, Simulation, StaticLoads, StructureState};
 use crate::case::Scene;
@@ -176,8 +177,11 @@ impl Simulation {
     /// Goes on with other fabric, on the device too where that solves it.
     pub(super) fn take_fabric(&mut self, cloth: Cloth) -> Result<(), DeviceError> {
         let placement = self.plan.placement.cloth;
-        let felt = (&[][..], matches!(self.coupled, Some(Coupled::Links(_))));
-        self.cloth_engine = ClothEngine::new(placement, Some(&cloth), felt, self.device.as_ref())?;
+        let met = Met {
+            cut: matches!(self.coupled, Some(Coupled::Links(_))),
+            ..Met::default()
+        };
+        self.cloth_engine = ClothEngine::new(placement, Some(&cloth), met, self.device.as_ref())?;
         self.cloth = Some(cloth);
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::gpu::commands::Pass;
 use crate::gpu::error::DeviceError;
 use crate::solve::lbfgs::{Options, Outcome, REMAINDER, Stop, relative};
 
-use super::decisions::{ALONG_VECTORS, FIRST_ELEMENT, PRODUCTS, stop};
+use super::decisions::{ALONG_VECTORS, Brought, FIRST_ELEMENT, PRODUCTS, stop};
 use super::parameters::{ClothStage, Minimiser};
 use super::slots::{DRIVE, DRIVE_STEP, ENERGY, FIRST_FREE, NONE};
 use super::vectors::Space;
@@ -41,49 +41,82 @@ pub(super) struct Solved {
 impl Space<'_> {
     /// Minimises from the prediction, which is the first point, in about so many evaluations as expected.
     pub(super) fn minimise_in_batches(
-        &mut self,
+        &self,
         options: &Options,
         expected: usize,
     ) -> Result<Solved, DeviceError> {
+        self.begin(options, expected);
+        loop {
+            let brought = self.bring()?;
+            if let Some(solved) = self.solved(brought, options) {
+                return Ok(solved);
+            }
+            self.go_on();
+        }
+    }
+
+    /// Leaves the first batch to the next submission. Where the device has the air, it begins with the reactions at the markers.
+    pub(super) fn begin(&self, options: &Options, expected: usize) {
         let decisions = &self.workspace.decisions;
-        let mut trials = expected.clamp(FIRST_BATCH[0], FIRST_BATCH[1]);
         self.ask(options);
         let mut commands = self.device.record("cloth");
-        let mut pass = commands.pass("cloth minimise");
-        self.workspace.blocks.dispatch(&mut pass);
-        if decisions.small.is_none() {
-            self.start_minimising(&mut pass);
-        }
-        loop {
-            if let Some(small) = &decisions.small {
-                small.dispatch(&mut pass, [1, 1]);
-            } else {
-                for _ in 0..trials {
-                    self.trial(&mut pass);
-                }
-                let groups = self.device.workgroups(decisions.nodes as u64);
-                decisions.deliver.dispatch(&mut pass, groups);
+        {
+            let mut pass = commands.pass("cloth minimise");
+            if let Some(in_air) = &decisions.in_air {
+                in_air.react(self.device, &mut pass);
             }
-            drop(pass);
-            decisions.bring_back(&mut commands);
-            self.device.submit(commands);
-            let brought = decisions.read(self.device)?;
-            if let Some(stop) = stop(&brought.state) {
-                let mut remainder = brought.preconditioned;
-                let longest_m = f64::from(brought.state.longest);
-                if stop != Stop::Converged || longest_m > REMAINDER * options.displacement_floor_m {
-                    remainder.clear();
-                }
-                return Ok(Solved {
-                    outcome: self.outcome(&brought.state, stop),
-                    positions_m: brought.positions_m,
-                    remainder,
-                });
+            self.workspace.blocks.dispatch(&mut pass);
+            if decisions.small.is_none() {
+                self.start_minimising(&mut pass);
             }
-            trials = FURTHER_BATCH;
-            commands = self.device.record("cloth");
-            pass = commands.pass("cloth minimise");
+            self.batch(&mut pass, expected.clamp(FIRST_BATCH[0], FIRST_BATCH[1]));
         }
+        self.device.leave(commands);
+    }
+
+    /// Leaves a further batch to the next submission.
+    pub(super) fn go_on(&self) {
+        let mut commands = self.device.record("cloth");
+        self.batch(&mut commands.pass("cloth minimise"), FURTHER_BATCH);
+        self.device.leave(commands);
+    }
+
+    /// So many trials, and where they lead.
+    fn batch(&self, pass: &mut Pass<'_>, trials: usize) {
+        let decisions = &self.workspace.decisions;
+        if let Some(small) = &decisions.small {
+            small.dispatch(pass, [1, 1]);
+            return;
+        }
+        for _ in 0..trials {
+            self.trial(pass);
+        }
+        let groups = self.device.workgroups(decisions.nodes as u64);
+        decisions.deliver.dispatch(pass, groups);
+    }
+
+    /// Submits what was left, and waits for where the minimiser stands.
+    pub(super) fn bring(&self) -> Result<Brought, DeviceError> {
+        let decisions = &self.workspace.decisions;
+        let mut commands = self.device.record("cloth solution");
+        decisions.bring_back(&mut commands);
+        self.device.submit(commands);
+        decisions.read(self.device)
+    }
+
+    /// How it ended; `None` while it has not.
+    pub(super) fn solved(&self, brought: Brought, options: &Options) -> Option<Solved> {
+        let stop = stop(&brought.state)?;
+        let mut remainder = brought.preconditioned;
+        let longest_m = f64::from(brought.state.longest);
+        if stop != Stop::Converged || longest_m > REMAINDER * options.displacement_floor_m {
+            remainder.clear();
+        }
+        Some(Solved {
+            outcome: self.outcome(&brought.state, stop),
+            positions_m: brought.positions_m,
+            remainder,
+        })
     }
 
     fn outcome(&self, state: &Minimiser, stop: Stop) -> Outcome {

@@ -14,6 +14,7 @@ use crate::solve::lbfgs::{
 };
 
 use super::elements::joined;
+use super::marker_reactions::{AtMarkers, MarkerPipelines, MarkerReactions};
 use super::parameters::Minimiser;
 use super::slots::{FIRST_FREE, ROUND_OFF};
 
@@ -77,6 +78,8 @@ pub(super) struct Decisions {
     pub deliver: Bound,
     /// The whole minimiser in one workgroup, where the fabric is small.
     pub small: Option<Bound>,
+    /// Where the device forms the reactions of the air at markers itself.
+    pub in_air: Option<MarkerReactions>,
     pub nodes: usize,
 }
 
@@ -107,6 +110,8 @@ pub(super) struct Brought {
     pub positions_m: Vec<DVec3>,
     /// H₀ g of the nodes, then [m].
     pub preconditioned: Vec<[f32; 3]>,
+    /// At the markers, then.
+    pub at_markers: Option<AtMarkers>,
 }
 
 /// Why the minimiser ended; `None` while it runs.
@@ -118,7 +123,7 @@ impl Decisions {
     /// Of a structure with `buffers`, those of its workspace among them, whose forces take so many dispatches.
     pub fn new(
         device: &Device,
-        pipelines: &DecisionPipelines,
+        (pipelines, in_air): (&DecisionPipelines, Option<&MarkerPipelines>),
         buffers: &[(&str, &wgpu::Buffer)],
         (nodes, dispatches): (usize, usize),
     ) -> Result<Self, DeviceError> {
@@ -144,8 +149,13 @@ impl Decisions {
             ("delivered", &delivered),
         ]);
         let small = pipelines.small.as_ref();
+        let in_air = in_air
+            .map(|in_air| in_air.bind(device, &all, nodes))
+            .transpose()?;
+        let marker_bytes = in_air.as_ref().map_or(0, MarkerReactions::brought_bytes);
         Ok(Self {
-            staging: Staging::new(device, state_bytes + node_bytes)?,
+            staging: Staging::new(device, state_bytes + node_bytes + marker_bytes)?,
+            in_air,
             decide: device.bind(&pipelines.decide, &all)?,
             deliver: device.bind(&pipelines.deliver, &all)?,
             small: small.map(|small| device.bind(small, &all)).transpose()?,
@@ -164,6 +174,12 @@ impl Decisions {
             .copy(commands, &self.minimiser, 0, 0, state_bytes);
         self.staging
             .copy(commands, &self.delivered, 0, state_bytes, node_bytes);
+        if let Some(in_air) = &self.in_air {
+            let copy = |commands: &mut Commands, buffer: &wgpu::Buffer, to, bytes| {
+                self.staging.copy(commands, buffer, 0, to, bytes);
+            };
+            in_air.bring_back(commands, copy, state_bytes + node_bytes);
+        }
     }
 
     /// Waits for what was brought back.
@@ -175,8 +191,10 @@ impl Decisions {
             if stop(&found.state).is_none() {
                 return;
             }
-            let words: Vec<[u32; NODE_WORDS]> =
-                bytemuck::pod_collect_to_vec(&nodes[..4 * NODE_WORDS * self.nodes]);
+            let (nodes, rest) = nodes.split_at(4 * NODE_WORDS * self.nodes);
+            let words: Vec<[u32; NODE_WORDS]> = bytemuck::pod_collect_to_vec(nodes);
+            let in_air = self.in_air.as_ref();
+            found.at_markers = in_air.map(|air| air.brought(&rest[..air.brought_bytes() as usize]));
             let position = |node: &[u32; NODE_WORDS]| {
                 let axis = |a: usize| joined(node[a].cast_signed(), f32::from_bits(node[3 + a]));
                 DVec3::new(axis(0), axis(1), axis(2))

@@ -3,6 +3,8 @@
 //! Words are stored word by word, `[word][element]`, so that neighbouring threads read neighbouring addresses. An element writes
 //! one slot per corner; nodes gather theirs through a list in ascending order of slots, always the same.
 
+use glam::DVec3;
+
 use crate::cloth::{CableSegment, Structure};
 use crate::gpu::shaders::WORKGROUP;
 use crate::lines::CableLaw;
@@ -27,6 +29,11 @@ pub(super) fn split(coordinate_m: f64) -> (i32, f32) {
 /// The coordinate [m] that [`split`] took apart.
 pub(super) fn joined(whole: i32, remainder: f32) -> f64 {
     f64::from(whole) / UNITS_PER_M + f64::from(remainder)
+}
+
+/// A vector in single precision.
+pub(super) fn narrow(v: &DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x as f32)
 }
 
 /// Words of a triangle that cuts the lattice: six symmetric blocks, and the force on each corner at the velocities of the prediction.

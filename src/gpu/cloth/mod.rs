@@ -9,6 +9,7 @@
 //! | `decisions` | what decides on the device between two evaluations |
 //! | `batches` | the minimiser of time steps that it decides |
 //! | `slots` | numbers of vectors and points |
+//! | `marker_reactions` | reactions of the air at markers, where the device has both |
 //! | `small_cloth` | the same for small fabric, in one workgroup |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
@@ -29,6 +30,7 @@ mod curvature;
 mod decisions;
 mod elements;
 mod gathering;
+mod marker_reactions;
 pub mod parameters;
 mod points;
 mod slots;
@@ -51,11 +53,13 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::multigrid::{Multigrid, Traffic};
 use crate::gpu::shaders;
 use crate::gpu::transfer::Staging;
-use crate::solve::lbfgs::HISTORY;
+use crate::solve::lbfgs::{HISTORY, Options};
 use crate::solve::multigrid::hierarchy::hierarchy;
 
 use elements::{CUT_WORDS, Elements, Triangles, split};
 use gathering::Gathering;
+use marker_reactions::MarkerPipelines;
+pub use marker_reactions::{AtMarkers, MarkersInAir};
 use parameters::ClothStage;
 use points::PointSlot;
 use slots::POINTS;
@@ -74,6 +78,8 @@ pub struct Cloth {
     forces: Gathering,
     blocks: Gathering,
     operations: Operations,
+    /// Where the device forms the reactions of the air at its markers itself.
+    in_air: Option<MarkerPipelines>,
     workspace: Option<Workspace>,
     /// Made when a solve first asks for it.
     multigrid: Option<WholeHessian>,
@@ -85,6 +91,8 @@ pub struct Cloth {
     stage: ClothStage,
     /// Part of the objective that does not depend on the positions sought [J].
     constant_j: f64,
+    /// A solve that was begun, until its end is fetched.
+    begun: Option<Options>,
     /// Where the last solve ended, until it is fetched.
     solution: Option<Solution>,
     /// True if the masses on the device hold drag of nodes.
@@ -158,7 +166,22 @@ impl Cloth {
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
     ) -> Result<Self, DeviceError> {
-        Self::with_triangles(device, structure, markers, Triangles::default())
+        Self::with_triangles(device, structure, (markers, None), Triangles::default())
+    }
+
+    /// The same of fabric whose markers are in the air of the same device: it forms their reactions itself.
+    pub fn new_in_air(
+        device: Arc<Device>,
+        structure: &Structure,
+        markers: &[(u32, [f64; 3])],
+        air: MarkersInAir,
+    ) -> Result<Self, DeviceError> {
+        Self::with_triangles(
+            device,
+            structure,
+            (markers, Some(air)),
+            Triangles::default(),
+        )
     }
 
     /// The same of fabric that cuts the lattice of the air.
@@ -167,13 +190,13 @@ impl Cloth {
             faces: false,
             cut: true,
         };
-        Self::with_triangles(device, structure, &[], triangles)
+        Self::with_triangles(device, structure, (&[], None), triangles)
     }
 
     fn with_triangles(
         device: Arc<Device>,
         structure: &Structure,
-        markers: &[(u32, [f64; 3])],
+        (markers, air): (&[(u32, [f64; 3])], Option<MarkersInAir>),
         triangles: Triangles,
     ) -> Result<Self, DeviceError> {
         if structure.contact.is_some() {
@@ -279,6 +302,9 @@ impl Cloth {
             }
         }
         let staging = Staging::new(&device, 24 * nodes as u64)?;
+        let in_air = air
+            .map(|air| MarkerPipelines::new(&device, structure, (markers, air)))
+            .transpose()?;
         let mut cloth = Self {
             device,
             nodes,
@@ -288,12 +314,14 @@ impl Cloth {
             forces,
             blocks,
             operations,
+            in_air,
             workspace: None,
             multigrid: None,
             loads: Vec::new(),
             drive: Vec::new(),
             stage: ClothStage::default(),
             constant_j: 0.0,
+            begun: None,
             solution: None,
             drags: false,
             expected_evaluations: 0,
@@ -328,7 +356,9 @@ impl Cloth {
                 faces: true,
                 ..self.triangles
             };
-            *self = Self::with_triangles(device, structure, &self.markers, triangles)?;
+            let air = self.in_air.take().map(MarkerPipelines::into_air);
+            let markers = std::mem::take(&mut self.markers);
+            *self = Self::with_triangles(device, structure, (&markers, air), triangles)?;
         }
         self.make_room(settings.history)?;
         if settings.initial_hessian == InitialHessian::Multigrid && self.multigrid.is_none() {
@@ -376,7 +406,7 @@ impl Cloth {
         self.workspace = Some(Workspace::new(
             &self.device,
             &self.operations,
-            [&self.forces, &self.blocks],
+            ([&self.forces, &self.blocks], self.in_air.as_ref()),
             &self.named_buffers(),
             history,
             self.nodes,

@@ -25,16 +25,16 @@ use crate::solve::lbfgs::{self, Options, Outcome, Stop, Watch};
 use crate::solve::newton;
 use crate::solve::{Landing, Step, VectorSpace};
 
-use super::batches::expected_next;
+use super::batches::{Solved, expected_next};
 use super::decisions::LONGEST_HISTORY;
-use super::elements::{CUT_WORDS, damped_cables, joined, split};
+use super::elements::{CUT_WORDS, damped_cables, joined, narrow, split};
 use super::parameters::ClothStage;
 use super::points::PointSlot;
 use super::points::Points;
 use super::slots::DRIVE;
 use super::vectors::{MultigridHessian, Space};
 use super::workspace::Workspace;
-use super::{Cloth, Solution};
+use super::{AtMarkers, Cloth, Solution};
 
 /// Displacement that positions on the device cannot hold [m]: half a unit of the last place of the largest remainder, 2⁻¹⁷ m in `f32`.
 const ROUND_OFF_M: f64 = 1.0 / (1_u64 << 42) as f64;
@@ -73,12 +73,60 @@ impl Cloth {
         self.place_at_prediction(&space.point()?)?;
         let solved = space.minimise_in_batches(&options, self.expected_evaluations)?;
         drop(space);
+        Ok(self.take(solved))
+    }
+
+    /// Begins stage `solve_cloth` where the markers are in the air of the device, in a time step with block-Jacobi. It is left to the next submission, and
+    /// [`Cloth::react_back`] after it; [`Cloth::bring_solution`] waits.
+    pub fn begin_solve(
+        &mut self,
+        structure: &Structure,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<(), DeviceError> {
+        let options = device_options(structure, input, settings);
+        let mut space = self.space(self.constant_j, InitialHessian::BlockJacobi)?;
+        self.place_at_prediction(&space.point()?)?;
+        space.begin(&options, self.expected_evaluations);
+        drop(space);
+        self.begun = Some(options);
+        Ok(())
+    }
+
+    /// Forms the forces of the markers on the air, by where the minimiser stands.
+    pub fn react_back(&self) -> Result<(), DeviceError> {
+        if let Some(in_air) = &self.workspace()?.decisions.in_air {
+            in_air.react_back(&self.device);
+        }
+        Ok(())
+    }
+
+    /// Waits for a solve that was begun: how it ended, and what the device found and did at the markers. `None` where it has not ended: then it goes on, and the forces are to be
+    /// formed anew.
+    pub fn bring_solution(&mut self) -> Result<Option<(Outcome, AtMarkers)>, DeviceError> {
+        let options = self
+            .begun
+            .ok_or_else(|| DeviceError::Command("no solve of the fabric was begun".to_owned()))?;
+        let space = self.space(self.constant_j, InitialHessian::BlockJacobi)?;
+        let mut brought = space.bring()?;
+        let at_markers = brought.at_markers.take().unwrap_or_default();
+        let Some(solved) = space.solved(brought, &options) else {
+            space.go_on();
+            return Ok(None);
+        };
+        drop(space);
+        self.begun = None;
+        Ok(Some((self.take(solved), at_markers)))
+    }
+
+    /// Takes how a solve ended, until it is fetched.
+    fn take(&mut self, solved: Solved) -> Outcome {
         let evaluations = solved.outcome.evaluations;
         self.expected_evaluations = expected_next(self.expected_evaluations, evaluations);
         self.remainder = solved.remainder;
         let finite = solved.outcome.stop != Stop::NotFinite;
         self.solution = finite.then_some(Solution::Positions(solved.positions_m));
-        Ok(solved.outcome)
+        solved.outcome
     }
 
     /// The same, driven by the host; the solution stays on the device.
@@ -89,6 +137,12 @@ impl Cloth {
         settings: &SolverSettings,
         watch: Watch,
     ) -> Result<Outcome, DeviceError> {
+        if self.in_air.is_some() && input.time_step_s.is_some() {
+            return Err(DeviceError::Command(
+                "steps of fabric whose markers are in the air of the device are begun, not driven"
+                    .to_owned(),
+            ));
+        }
         let mut space = self.space(self.constant_j, settings.initial_hessian)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
@@ -348,25 +402,34 @@ impl Cloth {
             self.loads = loads;
         }
         let drive: Vec<[f32; 3]> = drive.iter().map(narrow).collect();
-        if drive != self.drive {
-            let first = DRIVE as usize * self.nodes;
-            self.device.write(&self.workspace()?.vectors, first, &drive);
-            self.drive = drive;
-        }
-
-        let mut reactions = vec![[0.0_f32; 4]; self.markers.len()];
-        if input.time_step_s.is_some() {
-            for (reaction, marker) in reactions.iter_mut().zip(input.markers) {
-                let nodes = structure.triangles[marker.triangle as usize].nodes;
-                let mut slip = -marker.air_velocity_m_s;
-                for (node, weight) in nodes.into_iter().zip(marker.weights) {
-                    slip += velocity(node as usize) * weight;
-                }
-                let [x, y, z] = narrow(&slip);
-                *reaction = [x, y, z, marker.stiffness_kg_s as f32];
+        let at_marker = |(triangle, weights): &(u32, [f64; 3])| -> DVec3 {
+            let nodes = structure.triangles[*triangle as usize].nodes;
+            let corners = nodes.into_iter().zip(weights);
+            corners
+                .map(|(node, weight)| velocity(node as usize) * *weight)
+                .sum()
+        };
+        if let (Some(in_air), true) = (&self.in_air, input.time_step_s.is_some()) {
+            let velocities = self.markers.iter().map(at_marker);
+            in_air.upload(&self.device, velocities, &drive);
+            // The device writes the loads of the scale itself.
+            self.drive.clear();
+        } else {
+            if drive != self.drive {
+                let first = DRIVE as usize * self.nodes;
+                self.device.write(&self.workspace()?.vectors, first, &drive);
+                self.drive = drive;
             }
+            let mut reactions = vec![[0.0_f32; 4]; self.markers.len()];
+            if input.time_step_s.is_some() {
+                for (reaction, marker) in reactions.iter_mut().zip(input.markers) {
+                    let place = (marker.triangle, marker.weights);
+                    let [x, y, z] = narrow(&(at_marker(&place) - marker.air_velocity_m_s));
+                    *reaction = [x, y, z, marker.stiffness_kg_s as f32];
+                }
+            }
+            self.device.write(self.buffer("reactions")?, 0, &reactions);
         }
-        self.device.write(self.buffer("reactions")?, 0, &reactions);
         if structure.permeability.is_some() && !self.markers.is_empty() {
             let words = permeability_words(input.permeable, self.markers.len());
             self.device.write(self.buffer("permeabilities")?, 0, &words);
@@ -519,8 +582,4 @@ fn permeability_words(permeable: &[Permeable], count: usize) -> Vec<f32> {
         }
     }
     words
-}
-
-fn narrow(v: &DVec3) -> [f32; 3] {
-    v.to_array().map(|x| x as f32)
 }

@@ -10,6 +10,7 @@ use crate::gpu::transfer::Staging;
 use super::decisions::{DecisionPipelines, Decisions};
 use super::elements::Kind;
 use super::gathering::{BoundGathering, Gathering};
+use super::marker_reactions::MarkerPipelines;
 use super::slots::FIRST_FREE;
 use super::small_cloth;
 
@@ -105,7 +106,7 @@ impl Workspace {
     pub fn new(
         device: &Device,
         operations: &Operations,
-        [forces, blocks]: [&Gathering; 2],
+        ([forces, blocks], in_air): ([&Gathering; 2], Option<&MarkerPipelines>),
         buffers: &[(&str, &wgpu::Buffer)],
         history: usize,
         nodes: usize,
@@ -134,7 +135,7 @@ impl Workspace {
         ]);
         let forces = forces.bind(device, &all)?;
         let sizes = (nodes, forces.len());
-        let decisions = Decisions::new(device, &operations.decisions, &all, sizes)?;
+        let decisions = Decisions::new(device, (&operations.decisions, in_air), &all, sizes)?;
         Ok(Self {
             history,
             vector_slots: vector_slots as u32,

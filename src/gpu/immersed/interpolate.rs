@@ -10,7 +10,7 @@ use crate::immersed::strength::LARGEST_OVER_RELAXATION_RATIO;
 use crate::immersed::touched::{OutOfDomain, bounding_box};
 
 impl Immersed {
-    /// u* and D_k at the markers where [`Immersed::send_markers`] put them.
+    /// u* and D_k at the markers where [`Immersed::send_markers`] put them. They stay on the device until somebody asks ([`Immersed::ask_air_velocities`]).
     pub fn interpolate(&mut self, fluid: &Fluid) {
         let count = self.areas.len();
         let Some(boxed) = self.boxed.as_ref().filter(|_| count > 0) else {
@@ -27,9 +27,19 @@ impl Immersed {
                 .interpolate
                 .dispatch(&mut pass, device.workgroups(count as u64));
         }
+        device.leave(commands);
+    }
+
+    /// Has the device begin with what [`Immersed::fetch_air_velocities`] will take.
+    pub fn ask_air_velocities(&mut self) {
+        let count = self.areas.len();
+        if self.boxed.is_none() || count == 0 {
+            return;
+        }
+        let mut commands = self.device.record("air velocities");
         self.staging
             .copy(&mut commands, &self.marker_states, 0, 0, 16 * count as u64);
-        self.submitted = Some(device.submit_alone(commands));
+        self.submitted = Some(self.device.submit_alone(commands));
     }
 
     /// Stage `fetch_air_velocities`: u* and a_k to the host. Waits for nothing that was submitted after the last `interpolate`.
@@ -37,22 +47,44 @@ impl Immersed {
         if self.order.is_empty() {
             return self.device.check();
         }
+        if self.submitted.is_none() {
+            self.ask_air_velocities();
+        }
         let not_asked = || {
-            let what = "velocities at markers are fetched before they are asked for";
+            let what = "velocities at markers are fetched before they are interpolated";
             DeviceError::Command(what.to_owned())
         };
         let submitted = self.submitted.take().ok_or_else(not_asked)?;
-        let (air_velocities, strengths) = (&mut self.air_velocities, &mut self.strengths);
+        let mut states = Vec::new();
         let bytes = 16 * self.order.len() as u64;
         self.staging
             .read_of(&self.device, submitted, bytes, |bytes| {
-                let states = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned);
-                for (state, &marker) in states.zip(&self.order) {
-                    let [x, y, z, strength] = <[f32; 4]>::map(state, f64::from);
-                    air_velocities[marker as usize] = [x, y, z];
-                    strengths[marker as usize] = strength;
-                }
-            })
+                states = bytemuck::pod_collect_to_vec(bytes);
+            })?;
+        self.take_states(&states);
+        Ok(())
+    }
+
+    /// Takes u* and a_k of all markers, in the sorted order.
+    fn take_states(&mut self, states: &[[f32; 4]]) {
+        for (state, &marker) in states.iter().zip(&self.order) {
+            let [x, y, z, strength] = state.map(f64::from);
+            self.air_velocities[marker as usize] = [x, y, z];
+            self.strengths[marker as usize] = strength;
+        }
+    }
+
+    /// Takes what a device did by itself: u* and a_k, and the forces that it spread, both in the sorted order. Returns their sum on the air [lattice units].
+    pub fn take_brought(&mut self, states: &[[f32; 4]], forces: &[[f32; 4]]) -> [f64; 3] {
+        self.take_states(states);
+        self.forces.copy_from_slice(forces);
+        let mut total = [0.0; 3];
+        for force in forces {
+            for a in 0..3 {
+                total[a] += f64::from(force[a]);
+            }
+        }
+        total
     }
 
     /// Stage `send_markers`: sorts the markers at `positions` [cells, cell centres at whole numbers], sends them, and marks the
@@ -102,8 +134,8 @@ impl Immersed {
                     corner: (key >> 32) as u32,
                     area: self.areas[marker] as f32,
                     fold: folds.map_or(0, |folds| folds.code(position, cells)),
+                    number: marker as u32,
                     fraction: [fraction[0], fraction[1], fraction[2], 0.0],
-                    ..Marker::default()
                 }
             })
             .collect();

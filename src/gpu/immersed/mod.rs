@@ -32,8 +32,8 @@ parameters! {
         area: f32,
         /// How its kernel is folded at faces that a body passes through; 0: not.
         fold: u32,
-        /// Unused.
-        padding: u32,
+        /// Its number in the order of the fabric.
+        number: u32,
         /// Distance from the second cell under the kernel [cells].
         fraction: [f32; 4],
     }
@@ -223,6 +223,24 @@ impl Immersed {
     pub fn force(&self, k: usize) -> [f64; 3] {
         let [x, y, z, _] = self.forces[self.places[k] as usize].map(f64::from);
         [x, y, z]
+    }
+
+    /// The markers for fabric on the same device, which forms their reactions and forces itself. A lattice unit of stiffness is `stiffness_kg_s`.
+    #[must_use]
+    pub fn in_air(
+        &self,
+        stiffness_kg_s: f64,
+        [speed_m_s, force_n]: [f64; 2],
+    ) -> super::cloth::MarkersInAir {
+        let of_marker = |area: &f64| 2.0 * area * stiffness_kg_s;
+        super::cloth::MarkersInAir {
+            sorted: self.markers.clone(),
+            states: self.marker_states.clone(),
+            forces: self.marker_forces.clone(),
+            stiffness_kg_s: self.areas.iter().map(of_marker).collect(),
+            speed_m_s,
+            force_n,
+        }
     }
 
     /// The body force for the next collision.

@@ -1,6 +1,6 @@
 //! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k).
 //!
-//! g_k is formed on the host from the very numbers that the fabric saw, and rounded once; what is returned as the total is the sum of
+//! Where the device does not form it itself (`gpu/cloth/marker_reactions.rs`), g_k is formed on the host from the very numbers that the fabric saw, and rounded once; what is returned as the total is the sum of
 //! the rounded ones, so that markers and air agree.
 
 use super::Immersed;
