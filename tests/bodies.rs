@@ -34,6 +34,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_storage("bodies::resumes_with_the_same_bits", Resume),
         on_every_engine("bodies::a_breakdown_is_told_where_it_begins", Breakdown),
         on_every_engine("bodies::stands_without_an_eddy_viscosity", Stands),
+        on_every_engine("bodies::a_plate_on_the_lattice_is_not_lifted", OnTheLattice),
         plain("bodies::a_sphere_from_a_file_is_a_sphere", from_file),
         plain("bodies::beside_a_canopy", beside_a_canopy),
         plain("bodies::plans_hold_what_is_there", plans),
@@ -171,6 +172,30 @@ impl Body for Galilei {
             (moved / held - 1.0).abs() < tolerances::GALILEI,
             "{held} {moved}"
         );
+    }
+}
+
+#[derive(Clone, Copy)]
+struct OnTheLattice;
+
+impl Body for OnTheLattice {
+    /// A plate across the stream whose edges lie midway between cells, as round numbers have it: links pass exactly through its edges, and which of them are cut is a matter of how they
+    /// are told apart. As many are cut at one edge as at the other, so that nothing acts along the plate.
+    fn run(self, engine: Engine) {
+        let overrides = [
+            "coupling.scheme=links",
+            "coupling.over_relaxation=absent",
+            "time.end_s=5.0",
+        ];
+        let case = parse(PLATE, Path::new("."), overrides.map(str::to_owned).to_vec());
+        let (_, record) = simulate(&case, engine);
+        let [drag, side, lift] =
+            ["force_x_n", "force_y_n", "force_z_n"].map(|name| latest(&record, name).unwrap());
+        assert!(drag > 0.0, "{drag}");
+        for along in [side, lift] {
+            let share = along.abs() / drag;
+            assert!(share < tolerances::ALONG_A_PLATE, "{share:e}");
+        }
     }
 }
 

@@ -479,7 +479,15 @@ fn of_xflr5() {
         missing.errors
     );
     assert!(!out.exists(), "half an import is left");
-    let tip = "tip\n1.0 0.0\n0.6 0.03\n0.2 0.045\n0.05 0.03\n0.0 0.0\n0.05 -0.03\n0.2 -0.045\n0.6 -0.03\n1.0 0.0\n";
+    // A symmetric profile of 9 %, from the trailing edge around the nose.
+    let mut tip = "tip\n".to_owned();
+    for k in -12..=12_i32 {
+        let x = (f64::from(k) / 12.0).powi(2);
+        let half = 0.45
+            * (0.2969 * x.sqrt() - 0.126 * x - 0.3516 * x * x + 0.2843 * x.powi(3)
+                - 0.1036 * x.powi(4));
+        tip += &format!("{x:.6} {:.6}\n", if k < 0 { half } else { -half });
+    }
     std::fs::write(at("thin tip.dat"), tip).unwrap();
     let output = ripstop(&arguments);
     assert_eq!(output.code, 0, "{}", output.errors);

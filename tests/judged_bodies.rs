@@ -1,5 +1,6 @@
 //! What is judged of rigid bodies before a run, and what stands beside their results.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use libtest_mimic::Trial;
@@ -36,6 +37,10 @@ pub fn trials() -> Vec<Trial> {
         (
             "judged_bodies::blockage_is_by_the_frontal_area",
             frontal_area,
+        ),
+        (
+            "judged_bodies::meshes_by_their_own_extent_and_shadow",
+            meshes,
         ),
         ("judged_bodies::pictures_after_the_end", late_pictures),
         (
@@ -202,6 +207,78 @@ fn frontal_area() {
     for changes in [&[][..], &["bodies.sphere.reference.area_m2=0.01"]] {
         let blockage = row(&sphere(changes), "blockage of the body").unwrap();
         assert!((blockage.value.unwrap() * 16.0 / area_m2 - 1.0).abs() < 1e-9);
+    }
+}
+
+/// Two cubes of side 1, one behind the other, in a file: their blockage is that of one, and a large length of reference makes no cells of it.
+fn meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    // Boxes of a size, one behind the other.
+    let boxes = |count: u32, size: [f64; 3]| {
+        let mut obj = String::new();
+        for number in 0..count {
+            for corner in 0..8_u32 {
+                let [x, y, z] =
+                    [0, 1, 2].map(|axis| size[axis] * (f64::from(corner >> axis & 1) - 0.5));
+                writeln!(obj, "v {} {y} {z}", x + 1.5 * f64::from(number)).unwrap();
+            }
+            for face in [
+                [0, 4, 6, 2],
+                [1, 3, 7, 5],
+                [0, 1, 5, 4],
+                [2, 6, 7, 3],
+                [0, 2, 3, 1],
+                [4, 5, 7, 6],
+            ] {
+                let [a, b, c, d] = face.map(|corner| corner + 1 + 8 * number);
+                writeln!(obj, "f {a} {b} {c} {d}").unwrap();
+            }
+        }
+        obj
+    };
+    let cubes = folder.path().join("cubes.obj");
+    std::fs::write(cubes, boxes(2, [1.0; 3])).unwrap();
+    let beam = folder.path().join("beam.obj");
+    std::fs::write(beam, boxes(1, [0.4, 4.0, 0.13])).unwrap();
+    let parse = |text: &str, overrides: &[&str]| {
+        let choices = Choices {
+            variant: None,
+            overrides: overrides.iter().map(|&change| change.to_owned()).collect(),
+        };
+        case::parse("case", text, folder.path(), &choices).unwrap()
+    };
+    let text = |length_m: f64| {
+        format!(
+            "version = 1\n[air]\ndensity_kg_m3 = 1.0\nkinematic_viscosity_m2_s = 0.01\n[air.wind_tunnel]\nspeed_m_s = 1.0\n\
+             size_m = [10.0, 6.0, 6.0]\nstart_time_s = 1.0\nsponge_length_m = 1.0\n[resolution]\ncell_size_m = 0.125\nlattice_speed = 0.1\n\
+             operator = \"recursive_regularised\"\n[bodies.cubes]\nposition_m = [3.0, 3.0, 3.0]\n[bodies.cubes.mesh]\nfile = \"cubes.obj\"\n\
+             scale = 1.0\naccept = [\"pieces\"]\n[bodies.cubes.reference]\narea_m2 = 1.0\nlength_m = {length_m:?}\n[coupling]\nscheme = \"links\"\n\
+             [time]\nend_s = 30.0\n[output]\nsample_interval_s = 0.5\n"
+        )
+    };
+    // What is slender casts a shadow of few samples, which are not taken for less.
+    let thin = parse(
+        &text(1.0),
+        &[
+            "bodies.cubes.mesh.file=beam.obj",
+            "bodies.cubes.mesh.accept=absent",
+        ],
+    );
+    let blockage = row(&thin, "blockage of the body").unwrap().value.unwrap();
+    assert!(
+        (blockage * 36.0 / (4.0 * 0.13) - 1.0).abs() < 1e-9,
+        "{blockage}"
+    );
+    for length_m in [1.0, 3.0] {
+        let case = parse(&text(length_m), &[]);
+        let blockage = row(&case, "blockage of the body").unwrap().value.unwrap();
+        assert!((blockage * 36.0 - 1.0).abs() < 0.01, "{blockage}");
+        let cells = row(&case, "cells across the body").unwrap();
+        assert_eq!(
+            (cells.value, cells.valid),
+            (Some(8.0), Some(false)),
+            "{cells:?}"
+        );
     }
 }
 

@@ -387,9 +387,14 @@ pub(super) fn check_outline(
                 "give a file in Selig's format, relative to the case file: a title, then x/c and y/c per line from the upper trailing edge around the nose to the lower one",
             )
         }),
-        _ => Err(Problem::new(
+        (Some(_), Some(_)) => Err(Problem::new(
             key,
-            "a profile needs exactly one of `naca` and `file`",
+            "a profile has `naca` and `file`: it needs exactly one of them",
+            "remove one; where `naca` follows from a design, write naca = \"absent\" beside `file`",
+        )),
+        (None, None) => Err(Problem::new(
+            key,
+            "a profile needs `naca` or `file`",
             "give naca = \"23015\", or file = \"profile.dat\" with coordinates in Selig's format",
         )),
     }

@@ -20,6 +20,7 @@ use super::usual_box;
 use super::values::{self, check_name, positive, vector, within};
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
+use crate::geometry::parachute::shape::{RESOLUTION, projected_area_m2};
 use crate::geometry::surfaces;
 use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
 use crate::rigid::{self, BoxFace, Motion, PrescribedMotion, Surface};
@@ -232,6 +233,7 @@ fn check_body(
     let passing = Passing {
         key: &written.key("position_m"),
         name,
+        from_file: matches!(shape, Shape::Mesh),
         held: !motion.moves(),
         falls: file.air.as_ref().is_some_and(|air| air.descent.is_some()),
     };
@@ -251,6 +253,7 @@ fn check_body(
             Shape::Disk { diameter_m } if inside.faces.is_empty() => {
                 0.25 * PI * diameter_m * diameter_m * (rotation * DVec3::X).x.abs()
             }
+            Shape::Mesh => frontal_area_m2(&inside.surface),
             _ => inside.surface.frontal_area_m2(),
         },
         surface: inside.surface,
@@ -272,6 +275,21 @@ fn check_body(
     };
     body.fastest_m_s = check_way(&written, &body, air, time)?;
     Ok(body)
+}
+
+/// Area that a mesh shows to the wind: that of its shadow where parts of it stand one behind another, by more than the grid errs on which the shadow is counted [m²].
+fn frontal_area_m2(surface: &Surface) -> f64 {
+    let of_faces = surface.frontal_area_m2();
+    let shadow = projected_area_m2(&surface.positions_m, surface.triangles.iter().copied());
+    let (low, high) = surface.bounds_m();
+    let (width, height) = (high.y - low.y, high.z - low.z);
+    // A sample more or less along every side.
+    let may_err = width.max(height) / RESOLUTION as f64 * (width + height);
+    if shadow < of_faces - may_err {
+        shadow
+    } else {
+        of_faces
+    }
 }
 
 /// Only open surfaces may be permeable, and only in one pass, with which the law of the surface is solved.
@@ -446,19 +464,32 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
         for &point in &body.surface.positions_m {
             let place = placement.position_m(point);
             if walls.iter().any(|wall| wall.depth_m(place, size) < margin) {
+                let remedy = if body.motion.moves() {
+                    "move the body, enlarge the tunnel (air.wind_tunnel.size_m), or end sooner (time.end_s)"
+                } else {
+                    "move the body, or enlarge the tunnel (air.wind_tunnel.size_m); one that is meant to pass through a side or the outlet must reach \
+                     two cells beyond it or more"
+                };
+                // Whoever brings a mesh may have another unit in mind.
+                let (unit, large) = match body.shape {
+                    Shape::Mesh => {
+                        let (low, high) = body.surface.bounds_m();
+                        let own = high - low;
+                        (
+                            "; check the unit of its file (mesh.scale)",
+                            format!("; it is {:.4} × {:.4} × {:.4} m large", own.x, own.y, own.z),
+                        )
+                    }
+                    _ => ("", String::new()),
+                };
                 return Err(Problem::new(
                     written.key("position_m"),
                     format!(
                         "the body `{}` does not fit: at t = {t:.4} s it reaches ({:.4}, {:.4}, {:.4}) m, outside or within two \
-                         cells of the walls of the tunnel of {:.4} × {:.4} × {:.4} m",
+                         cells of the walls of the tunnel of {:.4} × {:.4} × {:.4} m{large}",
                         body.name, place.x, place.y, place.z, size.x, size.y, size.z
                     ),
-                    if body.motion.moves() {
-                        "move the body, enlarge the tunnel (air.wind_tunnel.size_m), or end sooner (time.end_s)"
-                    } else {
-                        "move the body, or enlarge the tunnel (air.wind_tunnel.size_m); one that is meant to pass through a side or the outlet must reach \
-                         two cells beyond it or more"
-                    },
+                    format!("{remedy}{unit}"),
                 ));
             }
             let speed = placement.velocity_m_s(point).length();

@@ -338,6 +338,7 @@ fn check_fabric_coupling(
     }
     let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
     let margin = 2.0 * air.units.cell_size_m;
+    let from_mesh = body.is_from_mesh() || matches!(body.kind, BodyKind::Mesh);
     let mut is_fabric = vec![false; body.structure.node_count()];
     for node in body.structure.triangles.iter().flat_map(|t| t.nodes) {
         is_fabric[node as usize] = true;
@@ -356,12 +357,36 @@ fn check_fabric_coupling(
                 "air.wind_tunnel.size_m",
                 format!(
                     "the structure does not fit: node {node} at ({:.3}, {:.3}, {:.3}) m lies outside or within two cells \
-                     of the walls of the tunnel of {:.3} × {:.3} × {:.3} m",
-                    position.x, position.y, position.z, size.x, size.y, size.z
+                     of the walls of the tunnel of {:.3} × {:.3} × {:.3} m{}",
+                    position.x,
+                    position.y,
+                    position.z,
+                    size.x,
+                    size.y,
+                    size.z,
+                    if from_mesh {
+                        large(&body.structure.positions_m)
+                    } else {
+                        String::new()
+                    }
                 ),
-                "enlarge the tunnel or move the structure (structure.*.confluence_m, structure.wing.tunnel.place_m)",
+                if from_mesh {
+                    "enlarge the tunnel, move the structure, or give the unit of its file (structure.mesh.scale)"
+                } else {
+                    "enlarge the tunnel or move the structure (structure.*.confluence_m, structure.wing.tunnel.place_m)"
+                },
             ));
         }
     }
     Ok(written.structure_every)
+}
+
+/// Says how large a mesh is, whose unit may be another.
+fn large(places_m: &[DVec3]) -> String {
+    let (low, high) = places_m.iter().fold(
+        (DVec3::INFINITY, DVec3::NEG_INFINITY),
+        |(low, high), place| (low.min(*place), high.max(*place)),
+    );
+    let own = high - low;
+    format!("; it is {:.3} × {:.3} × {:.3} m large", own.x, own.y, own.z)
 }

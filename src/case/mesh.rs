@@ -46,17 +46,20 @@ pub(super) fn check(
     let Some(mut first) = all.next() else {
         return Err(absent(KEY, "a structure of meshes has one at least"));
     };
+    // Without lines all of it is loose, but the lines are what is missing.
+    let fabric_nodes = first.examined.examination.node_count;
+    if written.nominal_area_m2.is_some() && first.structure.node_count() == fabric_nodes {
+        return Err(absent(
+            "structure.mesh.lines",
+            "a canopy (structure.mesh.nominal_area_m2) hangs on suspension lines",
+        ));
+    }
     first.examined.refuse()?;
     let kind = match written.nominal_area_m2 {
         None => BodyKind::Mesh,
         Some(area) => {
             let nominal_area_m2 = positive(&format!("{KEY}.nominal_area_m2"), area)?;
-            let canopy_node_count = first.examined.examination.node_count;
-            BodyKind::Canopy(canopy(
-                nominal_area_m2,
-                canopy_node_count,
-                &first.structure,
-            )?)
+            BodyKind::Canopy(canopy(nominal_area_m2, fabric_nodes, &first.structure)?)
         }
     };
     files.joined = first.joined.take();
@@ -423,12 +426,6 @@ fn canopy(
     structure: &Structure,
 ) -> Result<Canopy, Problem> {
     let (fabric, ends) = structure.positions_m.split_at(canopy_node_count);
-    if ends.is_empty() {
-        return Err(absent(
-            "structure.mesh.lines",
-            "a canopy (structure.mesh.nominal_area_m2) hangs on suspension lines",
-        ));
-    }
     let middle_x = fabric.iter().map(|place| place.x).sum::<f64>() / fabric.len() as f64;
     let nominal_diameter_m = (4.0 * nominal_area_m2 / PI).sqrt();
     let least_m = LEAST_LEAD * nominal_diameter_m;

@@ -21,6 +21,8 @@ pub(super) struct Passing<'a> {
     pub key: &'a str,
     /// Its name.
     pub name: &'a str,
+    /// It is a mesh from a file.
+    pub from_file: bool,
     /// It is held.
     pub held: bool,
     /// The box of the air falls.
@@ -64,7 +66,7 @@ pub(super) fn inside(
     let part = surface.before(&faces, size_m);
     let marker_part = marker_surface.before(&faces, size_m);
     if marker_part.triangles.is_empty() {
-        return Err(nothing_inside(body));
+        return Err(nothing_inside(body, &surface));
     }
     let [frontal, frontal_whole] = [&part, &surface].map(Surface::frontal_area_m2);
     let [area, area_whole] = [&part, &surface].map(Surface::area_m2);
@@ -82,11 +84,20 @@ pub(super) fn inside(
     })
 }
 
-fn nothing_inside(body: Passing) -> Problem {
+fn nothing_inside(body: Passing, whole: &Surface) -> Problem {
+    let (low, high) = whole.bounds_m();
+    let size = high - low;
     Problem::new(
         body.key,
-        format!("nothing of the body `{}` lies in the box of air", body.name),
-        "move the body; of one that passes through a face the part inside counts",
+        format!(
+            "nothing of the surface of the body `{}` lies in the box of air; it is {:.4} × {:.4} × {:.4} m large",
+            body.name, size.x, size.y, size.z
+        ),
+        if body.from_file {
+            "move the body (of one that passes through a face the part inside counts), or give the unit of its file (mesh.scale)"
+        } else {
+            "move the body; of one that passes through a face the part inside counts"
+        },
     )
 }
 
@@ -107,7 +118,7 @@ fn passed(body: Passing, surface: &Surface, air: &Air) -> Result<Vec<BoxFace>, P
     }
     let part = surface.before(&faces, size_m);
     if part.triangles.is_empty() {
-        return Err(nothing_inside(body));
+        return Err(nothing_inside(body, surface));
     }
     // What lies outside may cross the planes of other faces.
     faces.retain(|&face| least_m(&part, face) < 0.5 * reach_m);

@@ -24,6 +24,9 @@ pub use crate::geometry::wing::section::{Profile, Side};
 pub use crate::geometry::wing::{BuiltWing, LineKind};
 use crate::trim::Settings;
 
+/// Distance of a hang point from the nose along an axis, at most [m]: beyond it stands in another unit.
+const FARTHEST_HANG_POINT_M: f64 = 200.0;
+
 /// Most nodes of a wing: some 6 GB.
 const NODE_LIMIT: usize = 4_000_000;
 
@@ -419,6 +422,19 @@ fn check_plan(table: &file::Wing, materials: &Materials, folder: &Path) -> Resul
         })
         .collect::<Result<_, _>>()?;
     let hang_point_m = vector(&key("hang_point_m"), table.hang_point_m)?;
+    if hang_point_m.abs().max_element() > FARTHEST_HANG_POINT_M {
+        return Err(Problem::new(
+            key("hang_point_m"),
+            format!(
+                "{} = [{}, {}, {}] lies farther than {FARTHEST_HANG_POINT_M} m from the wing's nose",
+                key("hang_point_m"),
+                hang_point_m.x,
+                hang_point_m.y,
+                hang_point_m.z
+            ),
+            "lengths are in metres: chord, half the distance of both hang points, and height below the wing",
+        ));
+    }
     positive(&key("hang_point_m"), hang_point_m.y).map_err(|problem| Problem {
         message: format!("{} must lie on the right half, y > 0", key("hang_point_m")),
         help: "the left half is its mirror image".to_owned(),

@@ -213,9 +213,14 @@ fn whole_profile(key: &str, written: &file::Profile, folder: &Path) -> Result<Pr
                 ))
             })
         }
-        _ => Err(Problem::new(
+        (Some(_), Some(_)) => Err(Problem::new(
             key,
-            "a profile needs exactly one of `naca` and `file`",
+            "a profile has `naca` and `file`: it needs exactly one of them",
+            "remove one; where `naca` follows from a design, write naca = \"absent\" beside `file`",
+        )),
+        (None, None) => Err(Problem::new(
+            key,
+            "a profile needs `naca` or `file`",
             "give naca = \"2415\", or file = \"profile.dat\" with coordinates in Selig's format",
         )),
     }

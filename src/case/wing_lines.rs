@@ -163,7 +163,7 @@ pub(super) fn check_row(
         return Err(Problem::new(
             key("trim_m"),
             format!(
-                "{} comes to {trim_m} m, of a riser of {riser_length_m} m{taken}",
+                "{} comes to {trim_m:.4} m, of a riser of {riser_length_m} m{taken}",
                 key("trim_m"),
             ),
             "shorten the riser by less than nine tenths, lengthen it by less than 100 m",

@@ -14,12 +14,15 @@
 
 use std::fmt::Write;
 
+/// Half of the span of the largest wing that is taken [m].
+const WIDEST_M: f64 = 200.0;
+
 /// Why a wing cannot be brought in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Xflr5Fault {
     /// A line is no section.
     #[error(
-        "line {line}: a section has nine numbers and the names of two profiles (place, chord, offset, dihedral, twist, panels along chord and span, two codes)"
+        "line {line}: a section has nine numbers and the names of two profiles (place, chord, offset, dihedral, twist, panels along chord and span, two codes); names with blanks have `/_/` in their place"
     )]
     Section {
         /// Number of the line, from 1.
@@ -80,6 +83,12 @@ pub fn import(
         return Err(Xflr5Fault::Wing(
             "sections do not go outwards from the middle to the tip".to_owned(),
         ));
+    }
+    let half_span_m = sections[sections.len() - 1].place_m;
+    if half_span_m > WIDEST_M {
+        return Err(Xflr5Fault::Wing(format!(
+            "its tip lies {half_span_m} m from the middle, where at most {WIDEST_M} m are taken: lengths of the file are metres"
+        )));
     }
     let mut left_out = vec![
         "numbers and spacing of panels: panels_per_side and strips of [aero.wing] are ours"

@@ -121,15 +121,25 @@ fn trust(summary: &Summary, names: &[&str]) -> String {
         all.dedup();
         all
     };
-    let mut text = if unresolved.is_empty() && summary.validity.is_empty() {
-        "trust: nothing in the set-up of such a case is judged".to_owned()
+    let missed: Vec<String> = (summary.account.iter())
+        .filter(|row| row.reached == Some(false))
+        .map(crate::output::AccountRow::line)
+        .collect();
+    // What was missed comes first: a set-up may be sound, and its solution is not.
+    let mut text = if missed.is_empty() {
+        "trust: ".to_owned()
+    } else {
+        format!("trust: NOT ALL WAS MET: {}; ", missed.join("; "))
+    };
+    text += &if unresolved.is_empty() && summary.validity.is_empty() {
+        "nothing in the set-up of such a case is judged".to_owned()
     } else if unresolved.is_empty() {
-        "trust: nothing in the set-up speaks against these".to_owned()
+        "nothing in the set-up speaks against these".to_owned()
     } else if unresolved.len() == names.len() {
-        format!("trust: none of these is resolved: {}", reasons.join("; "))
+        format!("none of these is resolved: {}", reasons.join("; "))
     } else {
         format!(
-            "trust: {} of {} are not resolved ({}): {}",
+            "{} of {} are not resolved ({}): {}",
             unresolved.len(),
             names.len(),
             unresolved.join(", "),
@@ -143,13 +153,6 @@ fn trust(summary: &Summary, names: &[&str]) -> String {
     let others = others.count();
     if unresolved.is_empty() && others > 0 {
         text += &format!("; {others} other results are not resolved (--all says why)");
-    }
-    let missed: Vec<String> = (summary.account.iter())
-        .filter(|row| row.reached == Some(false))
-        .map(crate::output::AccountRow::line)
-        .collect();
-    if !missed.is_empty() {
-        text += &format!("; but not all was met: {}", missed.join("; "));
     }
     let expected: Vec<String> = summary
         .expected_errors

@@ -106,6 +106,9 @@ const SPAN_COLUMNS: [&str; 11] = [
 const SPEED_OF_SOUND_M_S: f64 = 340.3;
 const LARGEST_MACH: f64 = 0.3;
 
+/// Span of the largest aircraft, rounded up [m].
+const LARGEST_SPAN_M: f64 = 120.0;
+
 /// Angles whose span-wise loads are drawn, at most.
 const DRAWN_SPANS: usize = 5;
 
@@ -343,6 +346,13 @@ fn notes(wing: &BareWing, found: &Polar) -> Vec<String> {
         notes.push(format!(
             "the wing flies at {:.2} times the speed of sound; the method knows air of one density, good up to {LARGEST_MACH}",
             mach
+        ));
+    }
+    let span_m = wing.wing.projected_span_m();
+    if span_m > LARGEST_SPAN_M {
+        notes.push(format!(
+            "the wing spans {} m, more than any that flies: lengths are in metres",
+            significant(span_m, 4)
         ));
     }
     if !found.sections_stall {

@@ -103,8 +103,13 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
         histories: Vec::new(),
     };
     emit(&format!(
-        "inputs, not results: pilot C_D A = {} m2, C_d of lines {}{}\n",
+        "inputs, not results: pilot C_D A = {} m2{}, C_d of lines {}{}\n",
         settings.pilot_drag_area_m2,
+        if arguments.mass.is_some() {
+            " for the case's own pilot, for others as of their mass unless the case writes it"
+        } else {
+            ""
+        },
         settings.line_drag_coefficient,
         if settings.sections.polars.iter().any(Option::is_none) {
             ", drag of intakes (0.07 h/c) and of seams and wrinkles"

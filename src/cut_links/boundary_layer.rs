@@ -426,37 +426,40 @@ fn mean_power(a: f64, b: f64, n: i32) -> f64 {
 
 /// The layer on a face at whose edge the air has `speed`, from those upstream.
 fn grown(upstream: &[Inflow; 3], speed: f64, (viscosity, transition): (f64, f64)) -> Grown {
-    let (mut laminar, mut turbulent) = (0.0, 0.0);
-    let (mut faster, mut farther) = (0.0, 0.0);
-    for from in upstream.iter().filter(|from| from.share > 0.0) {
-        let ratio = (from.speed / speed).min(FASTEST_UPSTREAM);
+    let inflows = || upstream.iter().filter(|from| from.share > 0.0);
+    let ratio = |from: &Inflow| (from.speed / speed).min(FASTEST_UPSTREAM);
+    let (mut laminar, mut faster, mut farther) = (0.0, 0.0, 0.0);
+    for from in inflows() {
+        let ratio = ratio(from);
         laminar += from.share
             * (from.thickness.powi(2) * ratio.powi(6)
                 + 0.45 * viscosity / speed * mean_power(ratio, 1.0, 5) * from.distance);
-        let power = 0.2;
-        turbulent += from.share
-            * (from.thickness.powf(1.0 + power) * ratio.powf(4.0 + power)
-                + 0.0106
-                    * (viscosity / speed).powf(power)
-                    * mean_power(ratio, 1.0, 4)
-                    * from.distance);
         faster += from.share * (speed - from.speed);
         farther += from.share * from.distance;
     }
     let gradient = if farther > 0.0 { faster / farther } else { 0.0 };
     let laminar: f64 = laminar.sqrt();
-    if speed * laminar / viscosity > transition {
-        Grown {
-            thickness: turbulent.powf(1.0 / 1.2),
-            turbulent: true,
-            gradient,
-        }
-    } else {
-        Grown {
+    let is_turbulent = speed * laminar / viscosity > transition;
+    if !is_turbulent {
+        return Grown {
             thickness: laminar,
             turbulent: false,
             gradient,
-        }
+        };
+    }
+    let power = 0.2;
+    let friction = 0.0106 * (viscosity / speed).powf(power);
+    let mut turbulent: f64 = 0.0;
+    for from in inflows() {
+        let ratio = ratio(from);
+        turbulent += from.share
+            * (from.thickness.powf(1.0 + power) * ratio.powf(4.0 + power)
+                + friction * mean_power(ratio, 1.0, 4) * from.distance);
+    }
+    Grown {
+        thickness: turbulent.powf(1.0 / 1.2),
+        turbulent: true,
+        gradient,
     }
 }
 

@@ -16,8 +16,9 @@ use crate::lattice::DIRECTIONS;
 static NEXT_SEARCH: AtomicU64 = AtomicU64::new(1);
 
 /// By how much the whole surface is moved, so that no cell's centre lies on a sheet along the lattice [cells]. It would lie before it for one link and
-/// behind it for another.
-const GENERAL_POSITION: DVec3 = DVec3::new(1.2e-5, 2.7e-5, 3.9e-5);
+/// behind it for another. Along the stream it is moved farthest. So a plate across it whose middle and edges lie on cell centres cuts as many links that rise as ones that fall,
+/// and has no force along itself. Moved less along the stream than across it, a square plate of 24 cells had a lift coefficient of 0.022.
+const GENERAL_POSITION: DVec3 = DVec3::new(3.9e-5, 2.7e-5, 1.2e-5);
 
 /// Triangles and links that one task works on.
 const TRIANGLES_AT_ONCE: usize = 64;

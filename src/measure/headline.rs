@@ -53,11 +53,12 @@ pub static HEADLINE: [&str; 43] = [
 ];
 
 /// The same of a glide, before all others.
-static OF_A_GLIDE: [&str; 6] = [
+static OF_A_GLIDE: [&str; 7] = [
     "speed_m_s",
     "sink_m_s",
     "glide_ratio",
     "line_load_over_breaking_load_max",
+    "load_test_first_failure_load_factor",
     "stress_max_pa",
     "row_{row}_load_n",
 ];
@@ -75,13 +76,18 @@ static OF_A_FALL: [&str; 9] = [
     "largest_projected_diameter_ratio",
 ];
 
-/// Most results of a headline.
+/// Results of a headline, but for those that complete a family such as the loads of all rows.
 pub const LENGTH: usize = 8;
+
+/// The most with them.
+const MOST: usize = 12;
 
 /// Those of a run's results that belong to its headline, in its order.
 #[must_use]
 pub fn headline<'a>(results: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
     let mut found = Vec::new();
+    // How many were found with every declared name.
+    let mut ends = Vec::new();
     let has = |wanted: &str| results.clone().any(|name| name == wanted);
     let first = if has("glide_ratio") {
         &OF_A_GLIDE[..]
@@ -97,8 +103,10 @@ pub fn headline<'a>(results: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a s
                 found.push(name);
             }
         }
+        ends.push(found.len());
     }
-    found.truncate(LENGTH);
+    let family_ends = ends.into_iter().find(|end| *end >= LENGTH);
+    found.truncate(family_ends.unwrap_or(LENGTH).min(MOST));
     found
 }
 
@@ -150,6 +158,21 @@ mod tests {
             ]
         );
         let many: Vec<String> = (0..20).map(|k| format!("row_{k}_load_n")).collect();
-        assert_eq!(headline(many.iter().map(String::as_str)).len(), LENGTH);
+        assert_eq!(headline(many.iter().map(String::as_str)).len(), MOST);
+        // All rows of a glide, though there are more than room for.
+        let rows = ["a", "b", "c", "d"].map(|row| format!("row_{row}_load_n"));
+        let others = [
+            "speed_m_s",
+            "sink_m_s",
+            "glide_ratio",
+            "stress_max_pa",
+            "drag_n",
+        ];
+        let all = rows.iter().map(String::as_str).chain(others);
+        let found = headline(all.clone());
+        assert_eq!(found.len(), LENGTH);
+        assert!(rows.iter().all(|row| found.contains(&row.as_str())));
+        let found = headline(all.chain(["line_load_over_breaking_load_max"]));
+        assert_eq!((found.len(), found.last()), (9, Some(&"row_d_load_n")));
     }
 }

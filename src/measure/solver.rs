@@ -91,8 +91,18 @@ pub fn account(simulation: &Simulation, statics: &Statics, results: &Results) ->
             MASS_DEFECT_LIMIT,
         ),
     ] {
-        if let Some(found) = results.value(result) {
-            rows.push(AccountRow::at_most(name, meaning, "1", found, limit));
+        match (results.value(result), results.get(&result.name)) {
+            (Some(found), _) => rows.push(AccountRow::at_most(name, meaning, "1", found, limit)),
+            // Nobody may take a balance for kept that was not looked at.
+            (None, Some(missing)) => rows.push(AccountRow {
+                name: name.to_owned(),
+                meaning: meaning.to_owned(),
+                unit: "1".to_owned(),
+                limit: Some(limit),
+                detail: missing.note.clone().unwrap_or_default(),
+                ..AccountRow::default()
+            }),
+            (None, None) => {}
         }
     }
     rows.extend(residual::account(results, simulation.scene()));

@@ -42,8 +42,9 @@ pub enum Supports {
     Lift,
 }
 
-/// Results that say how well a run did, and need no support.
-const DIAGNOSTICS: [&str; 7] = [
+/// Results that say how well a run did, or repeat what the case has, and need no support.
+const DIAGNOSTICS: [&str; 8] = [
+    "reference_area_m2",
     "force_imbalance",
     "mass_drift",
     "slip_mean",

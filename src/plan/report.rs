@@ -11,7 +11,7 @@ use super::{
 };
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
-use crate::case::scene::{Air, BodyKind, Carrier, Flow};
+use crate::case::scene::{Air, Body, BodyKind, Carrier, Flow};
 use crate::cloth::patches::{Patches, REACH};
 use crate::cloth::{Structure, TimeIntegration};
 use crate::geometry::plate::Plate;
@@ -210,6 +210,13 @@ impl Plan {
                 "  nodes, triangles, cable segments  {}, {}, {}",
                 sizes.nodes, sizes.triangles, sizes.cables
             )?;
+            if let BodyKind::Canopy(_) = &body.kind {
+                writeln!(
+                    out,
+                    "  mass                {} kg: fabric, lines, belts and tapes",
+                    three_digits(own_mass_kg(scene, body))
+                )?;
+            }
             writeln!(
                 out,
                 "  memory              {} (f64, on the host)",
@@ -348,15 +355,7 @@ impl Plan {
         };
         let cell = air.units.cell_size_m;
         let structure = &body.structure;
-        let payload = scene
-            .descent
-            .as_ref()
-            .map_or(0.0, |descent| match descent.carrier {
-                Carrier::Confluence { .. } => descent.all_masses_kg(),
-                Carrier::RigidBody { .. } => 0.0,
-            });
-        let mass = structure.masses_kg.iter().sum::<f64>() - payload;
-        let areal_kg_m2 = mass / structure.rest_area_m2();
+        let areal_kg_m2 = own_mass_kg(scene, body) / structure.rest_area_m2();
         let ratio = three_digits(areal_kg_m2 / (air.units.density_kg_m3 * cell));
         writeln!(out, "\ncoupling")?;
         self.write_scheme(out, scene, (air, coupling))?;
@@ -533,4 +532,13 @@ impl Plan {
         }
         Ok(())
     }
+}
+
+/// Mass of a structure without what hangs on it.
+fn own_mass_kg(scene: &Scene, body: &Body) -> f64 {
+    let payload = (scene.descent.as_ref()).map_or(0.0, |descent| match descent.carrier {
+        Carrier::Confluence { .. } => descent.all_masses_kg(),
+        Carrier::RigidBody { .. } => 0.0,
+    });
+    body.structure.masses_kg.iter().sum::<f64>() - payload
 }

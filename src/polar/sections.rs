@@ -141,8 +141,9 @@ impl Family {
             .collect::<Result<Vec<_>, _>>()
             .map_err(|why| {
                 AeroError::Polar(format!(
-                    "of profile {}: {why}; give the profile a polar (polar, polar_file), or the mesh's unit (mesh.scale)",
-                    profile.name
+                    "of profile {}: {why}, counted in the {} points that it is given anew; mend its file, give the profile a polar (polar, polar_file), or of a mesh the unit (mesh.scale)",
+                    profile.name,
+                    2 * OUTLINE_PER_SIDE + 1
                 ))
             })?;
         Ok(Self {

@@ -102,7 +102,7 @@ pub(super) fn summarise(
             _ => "a marker",
         };
         notes.push(format!(
-            "{what} moved {:.2} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \
+            "{what} moved {:.3} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \
              lower resolution.lattice_speed",
             simulation.largest_marker_motion()
         ));

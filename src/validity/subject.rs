@@ -258,6 +258,12 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         _ => Kind::Rigid,
     };
     let settling = flow_past_bodies::settling(scene, air, body).ok();
+    // A length that coefficients refer to may be any.
+    let own_m = size.y.max(size.z);
+    let [length_m, across_m] = match body.shape {
+        Shape::Mesh if own_m.is_finite() => [own_m.min(body.reference_length_m), own_m],
+        _ => [body.reference_length_m; 2],
+    };
     Subject {
         scene,
         air,
@@ -265,8 +271,8 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         name: String::new(),
         prefix,
         kind,
-        length_m: body.reference_length_m,
-        across_m: body.reference_length_m,
+        length_m,
+        across_m,
         area_m2: body.blocking_area_m2,
         corners_m,
         passed,

@@ -165,7 +165,7 @@ pub struct SurfaceFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
-    /// Area [m²]; the frontal area if absent, of a body that passes through a face its part in the box.
+    /// Area [m²]. If absent it is that of the shape, however it is turned: πD²/4, diameter times length of a cylinder, all of a plate, the chords of a wing laid flat. A mesh needs it. Of a body that passes through a face it is the part in the box.
     pub area_m2: Option<f64>,
     /// Length [m]; diameter or smaller side if absent.
     pub length_m: Option<f64>,

@@ -120,6 +120,12 @@ fn keys(
     } else {
         2 * half - 1
     };
+    if drawing.cells != cells {
+        left_out.push(format!(
+            "the number of cells, {} in section 1: its ribs make {cells}",
+            drawing.cells
+        ));
+    }
     let chord = |number: usize| ribs[number].edges[1] - ribs[number].edges[0];
     let mut keys = Keys::default();
     let title = format!("{}, a wing of LEparagliding, in trim", drawing.name);

@@ -53,6 +53,8 @@ pub(super) type Branches = [Vec<f64>; 2];
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawing {
     pub name: String,
+    /// Cells, as they are told.
+    pub cells: usize,
     /// Of all lengths but risers and karabiners.
     pub scale: f64,
     /// Washin at the tip and in the middle [°], and how it follows: 0 as written, 1 and 2 by the chord.
@@ -160,7 +162,7 @@ impl Drawing {
         let name = unquoted(geometry.line()?);
         geometry.number()?;
         let scale = geometry.number()?;
-        geometry.number()?;
+        let cells = geometry.number()? as usize;
         let rib_count = geometry.number()?;
         let washin = geometry.numbers(2)?;
         geometry.line()?;
@@ -263,6 +265,7 @@ impl Drawing {
         let branches = [branches(&mut lengths)?, branches(&mut lengths)?];
         Ok(Self {
             name,
+            cells,
             scale,
             washin_deg: [washin[0], washin.get(2).copied().unwrap_or(0.0)],
             washin_rule: washin[1] as i64,

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 /// Samples along the longer side of the projection.
-const RESOLUTION: usize = 256;
+pub const RESOLUTION: usize = 256;
 
 /// Area of the shadow that triangles throw along x [m²], counted on a fine grid (error about 0.2 % for a canopy).
 #[must_use]

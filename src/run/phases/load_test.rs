@@ -84,8 +84,13 @@ fn line(wing: &Wing, names: &[LineName], step: &LoadStep) -> String {
     let nearest = reading.nearest.as_ref().map_or_else(
         || "breaking loads are not told".to_owned(),
         |n| {
+            let breaks = if n.share >= 1.0 {
+                ", which breaks; it is computed as if it held"
+            } else {
+                ""
+            };
             format!(
-                "nearest to breaking {} at {:.2}",
+                "nearest to breaking {} at {:.2}{breaks}",
                 names[n.cable].text(),
                 n.share
             )

@@ -155,9 +155,6 @@ fn self_crossing(words: &Words, common: &Common) -> Option<Finding> {
 }
 
 fn pieces(words: &Words, pieces: &[Piece]) -> Vec<Finding> {
-    if pieces.len() < 2 {
-        return Vec::new();
-    }
     let told = |piece: &Piece| {
         format!(
             "the one of {} ({:.3} m²) about {}",

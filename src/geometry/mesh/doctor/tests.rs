@@ -225,6 +225,7 @@ fn each_defect_is_found_alone() {
         let found =
             |surface: &Surface, held: &[u32]| kinds(&examined(&moved(surface.clone()), held));
         assert_eq!(found(&sheet(), &[0]), []);
+        assert_eq!(found(&sheet(), &[]), [(Kind::LoosePieces, 1)]);
         let seam = found(&with_seam(0.0), &[0, 4]);
         assert_eq!(seam, [(Kind::DoubledVertices, 5), (Kind::Pieces, 2)]);
         let seam = found(&with_seam(1e-4), &[0]);
