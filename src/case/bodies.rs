@@ -472,6 +472,10 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
                 };
                 // Whoever brings a mesh may have another unit in mind.
                 let (unit, large) = match body.shape {
+                    // Of one that passes through a face its part in the box is known here.
+                    Shape::Mesh if !body.faces.is_empty() => {
+                        ("; check the unit of its file (mesh.scale)", String::new())
+                    }
                     Shape::Mesh => {
                         let (low, high) = body.surface.bounds_m();
                         let own = high - low;
