@@ -39,6 +39,7 @@ mod design;
 mod device;
 mod device_cloth;
 mod device_cloth_steps;
+mod device_kernels;
 mod device_multigrid;
 mod device_work;
 mod eddy_viscosity;
@@ -146,6 +147,7 @@ fn main() -> std::process::ExitCode {
         device::trials(),
         device_cloth::trials(),
         device_cloth_steps::trials(),
+        device_kernels::trials(),
         device_multigrid::trials(),
         device_work::trials(),
         canopy::trials(),

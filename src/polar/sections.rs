@@ -141,7 +141,7 @@ impl Family {
             .collect::<Result<Vec<_>, _>>()
             .map_err(|why| {
                 AeroError::Polar(format!(
-                    "of profile {}: {why}, counted in the {} points that it is given anew; mend its file, give the profile a polar (polar, polar_file), or of a mesh the unit (mesh.scale)",
+                    "of profile {}: {why} (it is computed with an outline of {} points); mend its file, give the profile a polar (polar, polar_file), or of a mesh the unit (mesh.scale)",
                     profile.name,
                     2 * OUTLINE_PER_SIDE + 1
                 ))
