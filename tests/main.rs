@@ -67,6 +67,7 @@ mod module_graph;
 mod motion;
 mod nodes;
 mod out_of_memory;
+mod own_steps;
 mod permeability;
 mod phases;
 mod plates;
@@ -129,6 +130,7 @@ fn main() -> std::process::ExitCode {
         levels::trials(),
         long_histories::trials(),
         meeting::trials(),
+        own_steps::trials(),
         mesh_files::trials(),
         mesh_findings::trials(),
         mesh_seams::trials(),

@@ -288,6 +288,12 @@ fn refused() {
     told(SWEPT, &["--angle", "4,2,1"], "is no sweep");
     told(SWEPT, &["--angle", "5"], "is not FROM,TO,STEP");
     told(SWEPT, &["--brake", "0.1"], "a wing by itself");
+    told(SWEPT, &["--engine", "gpu"], "--engine gpu has no use");
+    told(
+        SWEPT,
+        &["--precision", "f16-storage"],
+        "--precision f16-storage has no use",
+    );
     told(
         &SWEPT.replace("profile = \"p\" }", "profile = \"q\" }"),
         &[],

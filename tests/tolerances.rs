@@ -178,6 +178,12 @@ pub const ALONG_A_PLATE: f64 = 1e-3;
 /// Routes of the force in the first sixty steps of a folded canopy with a kernel, over the impulse: the solver's tolerance of 1e-4, and single precision.
 pub const MEETING: f64 = 1e-3;
 
+/// Impulses (of the markers), and mean distances of nodes over the diameter, after a step that a device makes by itself, against one with the host: velocities and fractions of
+/// cells in single precision, and where that ends a solve of tolerance 1e-4.
+pub const OWN_STEP: [f64; 2] = [1e-5, 1e-6];
+/// The same after sixty of them: in folds little holds the fabric, and differences grow.
+pub const OWN_STEPS: [f64; 2] = [1e-4, 1e-3];
+
 /// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.
 pub const DEVICE_OPENING: f64 = 0.03;
 /// Diameter and impulse of a canopy after 0.01 s in a box of finer cells against finest cells throughout, in the same tunnel (2e-3): what 6 cells

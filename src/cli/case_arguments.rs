@@ -6,6 +6,7 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 
 use super::engine::EngineArguments;
+use super::exit;
 use super::failure::Failure;
 use super::threads;
 use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem, did_you_mean};
@@ -90,6 +91,20 @@ impl CaseArguments {
                 .map(|quality| quality.as_override().to_owned())
                 .chain(self.overrides.iter().chain(more).cloned())
                 .collect(),
+        }
+    }
+
+    /// Refuses what asks for a device where the case holds a wing by itself, of which no device computes anything.
+    pub(super) fn refuse_device_of_bare_wing(&self, case: &Case) -> Result<(), Failure> {
+        match (&case.scene.bare_wing, self.engine.of_no_use_by_itself()) {
+            (Some(_), Some(option)) => Err(Failure::Other(
+                exit::BAD_CASE,
+                format!(
+                    "{option} has no use with {}: a wing by itself is computed on the host, in double precision",
+                    case.name
+                ),
+            )),
+            _ => Ok(()),
         }
     }
 

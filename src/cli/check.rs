@@ -36,6 +36,7 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if let Ok(case) = &loaded
         && let Some(wing) = &case.scene.bare_wing
     {
+        arguments.case.refuse_device_of_bare_wing(case)?;
         let text = if arguments.expand {
             case::expanded(&case.text, &case.derived)
         } else {

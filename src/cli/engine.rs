@@ -99,6 +99,21 @@ pub(super) struct Placed {
 }
 
 impl EngineArguments {
+    /// The option that asks for what has no use where a wing is computed by itself: on the host, in double precision.
+    pub(super) fn of_no_use_by_itself(&self) -> Option<&'static str> {
+        [
+            (self.engine == Engine::Gpu, "--engine gpu"),
+            (self.adapter.is_some(), "--adapter"),
+            (self.cloth == ClothChoice::Device, "--cloth device"),
+            (
+                self.precision == Precision::F16Storage,
+                "--precision f16-storage",
+            ),
+        ]
+        .into_iter()
+        .find_map(|(asked, option)| asked.then_some(option))
+    }
+
     /// Opens a device if one is to take part, and places air and fabric.
     pub(super) fn place(&self, scene: &Scene) -> Result<Placed, Failure> {
         let named = self

@@ -28,6 +28,7 @@ pub(super) fn polar(arguments: &PolarArguments) -> Result<u8, Failure> {
                 "--brake, --bar, --mass and --vary are for a wing of fabric in trim; this case holds a wing by itself, which has --angle".to_owned(),
             ));
         }
+        arguments.case.refuse_device_of_bare_wing(&case)?;
         return bare_polar::polar(arguments, &arguments.case.load(&angles)?);
     }
     trim_polar::polar(arguments, &case)

@@ -108,9 +108,11 @@ shaders! {
         "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "vectors.wgsl";
     MARKER_REACTIONS = "marker_reactions":
         "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "marker.wgsl", "marker_reactions.wgsl";
-    MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimiser.wgsl", "minimise.wgsl";
+    SORT_MARKERS = "sort_markers": "threads.wgsl", "cloth.wgsl", "marker.wgsl", "sort_markers.wgsl";
+    FABRIC_MOTION = "fabric_motion": "threads.wgsl", "cloth.wgsl", "minimiser_state.wgsl", "fabric_motion.wgsl";
+    MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimiser_state.wgsl", "minimiser.wgsl", "minimise.wgsl";
     SMALL_CLOTH = "small_cloth":
-        "threads.wgsl", "cloth.wgsl", "minimiser.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "elements.wgsl",
+        "threads.wgsl", "cloth.wgsl", "minimiser_state.wgsl", "minimiser.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "elements.wgsl",
         "membrane.wgsl", "element_forces.wgsl", "every_element.wgsl", "small_cloth.wgsl";
 }
 

@@ -29,7 +29,7 @@ pub struct Tuning {
     /// Commands that take no longer wait for the next submission: as many as may wait stay well below two seconds together, after which
     /// watchdogs bite.
     pub longest_left: Duration,
-    /// Whether cells that the structure does not touch begin their next step while the host works on the structure.
+    /// Whether cells that the structure does not touch begin their next step while the host works on the structure, and whole steps are made without it.
     pub goes_ahead: bool,
 }
 

@@ -79,6 +79,12 @@ pub(super) fn summarise(
             cost.left_to_host
         ));
     }
+    if cost.own_steps > 0 {
+        details.push(format!(
+            "device: made {} of {steps} steps by itself",
+            cost.own_steps
+        ));
+    }
     if let (Some(adaptive), Some(time)) = (simulation.adaptive(), scene.time) {
         details.push(format!(
             "adaptive steps: {} parts in {steps} steps of {:e} s, the shortest {:.3e} s; {} were done again in halves, {} of them since the solver \

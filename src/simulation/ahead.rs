@@ -14,10 +14,10 @@ impl Simulation {
         self.next_reading = step;
     }
 
-    /// True while most cells are a step ahead of those that the structure touches: the air cannot be read.
+    /// True while most cells are a step ahead of those that the structure touches, or a device has made steps that are not accounted for: the air cannot be read.
     #[must_use]
     pub fn is_ahead(&self) -> bool {
-        self.air.as_ref().is_some_and(|air| air.finest().is_ahead())
+        self.own_steps_are_ahead() || self.air.as_ref().is_some_and(|air| air.finest().is_ahead())
     }
 
     /// Where cells are ahead, does the steps after which all air stands at one time.

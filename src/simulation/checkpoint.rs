@@ -59,6 +59,9 @@ impl Simulation {
         if let Some(descent) = &self.descent {
             descent.save(out)?;
         }
+        if let Some(own_steps) = &self.own_steps {
+            own_steps.save(out)?;
+        }
         if self.has_drags() {
             self.save_drags(out)?;
         }
@@ -127,6 +130,9 @@ impl Simulation {
         }
         if let Some(descent) = &mut self.descent {
             descent.restore(from)?;
+        }
+        if let Some(own_steps) = &mut self.own_steps {
+            own_steps.restore(from)?;
         }
         if self.has_drags() {
             self.restore_drags(from)?;

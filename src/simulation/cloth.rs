@@ -160,7 +160,7 @@ impl Simulation {
     }
 
     /// Gathers what the next solve needs to know.
-    fn begin_solve(&mut self) {
+    pub(super) fn begin_solve(&mut self) {
         self.begin_energy();
         self.begin_span();
         self.haul_to_the_end_of_the_span();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::air::{apart, needed};
 use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
-use crate::gpu::cloth::{AtMarkers, MarkersInAir};
+use crate::gpu::cloth::{AtMarkers, MarkersInAir, NodesOnDevice};
 use crate::gpu::{self, Device, DeviceError};
 use crate::plan::ClothPlacement;
 use crate::solve::lbfgs::{Outcome, Watch};
@@ -207,6 +207,64 @@ impl ClothEngine {
                 let leaves = !engine.keeps_all;
                 Ok(brought.map(|(outcome, at)| (engine.take(outcome, leaves), at)))
             }
+        }
+    }
+
+    /// Where the nodes are while the device makes steps by itself; `None` where it cannot.
+    pub(super) fn nodes_on_device(&self) -> Option<NodesOnDevice> {
+        match self {
+            Self::Host => None,
+            Self::Device(engine) => engine.cloth.nodes_on_device(),
+        }
+    }
+
+    /// Steps that may wait on the device together.
+    pub(super) fn most_own_steps(&self) -> u64 {
+        match self {
+            Self::Host => 0,
+            Self::Device(engine) => engine.cloth.most_own_steps(),
+        }
+    }
+
+    /// Has the device make at most so many steps by itself, from the present state on.
+    pub(super) fn begin_own_steps(
+        &mut self,
+        (cloth, input): (&Cloth, &StepInput),
+        settings: &SolverSettings,
+        most: usize,
+    ) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => {
+                let settings = engine.limited(input, settings);
+                engine
+                    .cloth
+                    .begin_own_steps((cloth, input), &settings, most)
+            }
+        }
+    }
+
+    /// Records the next of them, at markers whose air is known.
+    pub(super) fn make_own_step(&mut self) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => engine.cloth.make_own_step(),
+        }
+    }
+
+    /// Has the device begin with them.
+    pub(super) fn submit_own_steps(&mut self) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => engine.cloth.submit_own_steps(),
+        }
+    }
+
+    /// What the next of them did; [`Self::fetch_nodes`] is to follow.
+    pub(super) fn take_own_step(&mut self) -> Result<(Outcome, AtMarkers), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => engine.cloth.take_own_step(),
         }
     }
 

@@ -28,6 +28,8 @@ pub struct Cost {
     pub solves: u64,
     /// Those that a device left to the host.
     pub left_to_host: u64,
+    /// Steps that a device made by itself.
+    pub own_steps: u64,
     /// The static equilibrium at the end, apart from the steps.
     pub equilibrium: Duration,
     /// Cell updates in the steps whose stages were timed, as many in each as on the mean.

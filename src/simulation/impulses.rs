@@ -303,6 +303,16 @@ impl Impulses {
         Ok(holds)
     }
 
+    /// Adds what crosses the faces of the box in a step that a device makes by itself.
+    pub(super) fn add_outflow_ahead(&mut self, air: &AirEngine) -> Result<(), DeviceError> {
+        self.balance.add_step(air)
+    }
+
+    /// What crossed them in the step to be added is.
+    pub(super) const fn outflow_is_added(&mut self) {
+        self.outflow_is_added = true;
+    }
+
     pub(super) fn add_step(
         &mut self,
         air: &AirEngine,

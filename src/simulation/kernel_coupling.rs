@@ -28,7 +28,8 @@ use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, MarkerReaction};
 use crate::gpu::DeviceError;
-use crate::gpu::cloth::{AtMarkers, MarkersInAir};
+use crate::gpu::cloth::{AtMarkers, MarkersInAir, NodesOnDevice};
+use crate::gpu::immersed::LatticeInSpace;
 use crate::immersed::markers::Marker;
 use crate::immersed::permeable::Permeable;
 use crate::immersed::touched::OutOfDomain;
@@ -269,6 +270,40 @@ impl KernelCoupling {
     /// The markers for fabric on the device that has the air; `None` on the CPU.
     pub(super) fn in_air(&self) -> Option<MarkersInAir> {
         self.immersed.in_air(&self.units)
+    }
+
+    /// From now on the device may find the markers itself, at these nodes. False, and it may not, where kernels go on through sides or are folded at faces.
+    pub(super) fn follow(&mut self, nodes: NodesOnDevice) -> Result<bool, DeviceError> {
+        let lattice = LatticeInSpace {
+            first_centre_m: self.units.position_m([0.0; 3]),
+            cell_size_m: self.units.cell_size_m,
+        };
+        self.immersed.follow(nodes, lattice)
+    }
+
+    /// Lays a box around the markers, with so many cells of room to move in.
+    pub(super) fn enclose(
+        &mut self,
+        air: &AirEngine,
+        room: u32,
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        self.immersed.enclose(air, &self.positions, room)
+    }
+
+    /// Has the device find and sort the markers.
+    pub(super) fn sort_markers(&self) {
+        self.immersed.sort_markers();
+    }
+
+    /// Takes where the device had sorted them to in a step that began with the nodes of `cloth`.
+    pub(super) fn take_sorted(
+        &mut self,
+        cloth: Option<&Cloth>,
+        time_s: f64,
+        order: &[u32],
+    ) -> Result<(), OutOfDomain> {
+        self.place(cloth, time_s);
+        self.immersed.take_sorted(order, &self.positions)
     }
 
     /// Nothing is known of the air's reactions until the device tells of the next solve.

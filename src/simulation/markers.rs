@@ -4,8 +4,9 @@ use super::air::{AirEngine, apart, each_engine};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::BodyForce;
 use crate::cpu::immersed::{self, Immersed};
-use crate::gpu::cloth::{AtMarkers, MarkersInAir};
+use crate::gpu::cloth::{AtMarkers, MarkersInAir, NodesOnDevice};
 use crate::gpu::fluid::ForceBox;
+use crate::gpu::immersed::LatticeInSpace;
 use crate::gpu::{self, DeviceError};
 use crate::immersed::folds::Folds;
 use crate::immersed::touched::{Domain, OutOfDomain};
@@ -177,6 +178,50 @@ impl MarkerEngine {
             Self::Gpu(markers) => {
                 Some(markers.in_air(units.stiffness_kg_s(), [units.speed_m_s(), units.force_n()]))
             }
+        }
+    }
+
+    /// From now on a device may find the markers itself, at these nodes. False on the CPU, and where kernels go on through sides or are folded at faces.
+    pub(super) fn follow(
+        &mut self,
+        nodes: NodesOnDevice,
+        lattice: LatticeInSpace,
+    ) -> Result<bool, DeviceError> {
+        match self {
+            Self::Cpu(_) => Ok(false),
+            Self::Gpu(markers) => markers.follow(nodes, lattice),
+        }
+    }
+
+    /// Lays a box around markers at `positions` [cells], with so many cells of room to move in.
+    pub(super) fn enclose(
+        &mut self,
+        air: &AirEngine,
+        positions: &[[f64; 3]],
+        room: u32,
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        match (self, air) {
+            (Self::Gpu(markers), AirEngine::Gpu(fluid)) => markers.enclose(fluid, positions, room),
+            _ => Err(apart()),
+        }
+    }
+
+    /// Has a device find and sort the markers in that box.
+    pub(super) fn sort_markers(&self) {
+        if let Self::Gpu(markers) = self {
+            markers.sort_markers();
+        }
+    }
+
+    /// Takes where a device had sorted them to, at `positions` [cells].
+    pub(super) fn take_sorted(
+        &mut self,
+        order: &[u32],
+        positions: &[[f64; 3]],
+    ) -> Result<(), OutOfDomain> {
+        match self {
+            Self::Cpu(_) => Ok(()),
+            Self::Gpu(markers) => markers.take_sorted(order, positions),
         }
     }
 

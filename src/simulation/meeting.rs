@@ -5,6 +5,8 @@
 
 use super::{Coupled, Failure, Simulation};
 use crate::gpu::DeviceError;
+use crate::gpu::cloth::AtMarkers;
+use crate::solve::lbfgs::Outcome;
 
 impl Simulation {
     /// Stage `solve_cloth`: begun, and waited for by `fetch_nodes`.
@@ -32,8 +34,17 @@ impl Simulation {
                 None => self.spread_on_device()?,
             }
         };
+        self.end_on_device(outcome, &at_markers)
+    }
+
+    /// The fabric is where the device solved it, or is to be solved by the host from what the device found `at_markers`.
+    pub(super) fn end_on_device(
+        &mut self,
+        outcome: Option<Outcome>,
+        at_markers: &AtMarkers,
+    ) -> Result<(), Failure> {
         if let Some(kernel) = self.coupled.as_mut().and_then(Coupled::kernel_mut) {
-            kernel.take_brought(&at_markers);
+            kernel.take_brought(at_markers);
         }
         let left = self.take_nodes()?;
         self.judge(outcome.or(left))?;

@@ -30,6 +30,7 @@ mod looks;
 mod markers;
 mod meeting;
 mod opening;
+mod own_steps;
 mod panels;
 mod parts;
 mod permeable;
@@ -69,6 +70,7 @@ pub use levels::Levels;
 pub use link_coupling::LinkCoupling;
 pub use markers::MarkerEngine;
 pub use opening::Opening;
+use own_steps::OwnSteps;
 pub use structure_state::{StaticLoads, StructureState};
 use watch::Watch;
 
@@ -80,6 +82,7 @@ use crate::plan::{Plan, PlannedStage, Stage, capabilities};
 
 /// One step in so many is timed where a device works while the host goes on; a prime, to meet all cadences alike.
 const TIMED_INTERVAL: u64 = 31;
+const TIMED_INTERVAL_OF_OWN_STEPS: u64 = 251;
 
 /// Where steps and time are counted from: the release, or the last change of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,6 +113,8 @@ pub struct Simulation {
     descent: Option<Descent>,
     /// Drag of payload and lines in the step.
     drags: Vec<NodalDrag>,
+    /// Present where a device may make steps by itself.
+    own_steps: Option<OwnSteps>,
     opening: Option<Opening>,
     origin: Origin,
     step: u64,
@@ -191,7 +196,7 @@ impl Simulation {
         air: Option<Levels>,
         cloth: Option<Cloth>,
     ) -> Result<Self, Failure> {
-        let coupled = match (&scene.air, &air, &scene.coupling) {
+        let mut coupled = match (&scene.air, &air, &scene.coupling) {
             (Some(air), Some(engine), Some(coupling)) => {
                 Some(Coupled::new(&scene, air, engine.finest(), coupling)?)
             }
@@ -229,6 +234,7 @@ impl Simulation {
             }
             _ => None,
         };
+        let own_steps = OwnSteps::new((&scene, &plan), coupled.as_mut(), &cloth_engine)?;
         let adaptive = Adaptive::of(&scene);
         let every = plan.every(Stage::SolveCloth).unwrap_or(1);
         let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));
@@ -242,6 +248,7 @@ impl Simulation {
             moved_supports: Vec::new(),
             descent,
             drags: Vec::new(),
+            own_steps,
             scene,
             plan,
             air,
@@ -290,8 +297,14 @@ impl Simulation {
         rayon::scope(|_| self.advance())
     }
 
-    /// One step: the plan's stages in the plan's order.
+    /// One step: the plan's stages in the plan's order, or one of those that a device made by itself.
     pub fn advance(&mut self) -> Result<(), Failure> {
+        if !self.own_steps_are_ahead() {
+            self.begin_own_steps()?;
+        }
+        if self.own_steps_are_ahead() {
+            return self.account_own_step();
+        }
         let timed = self.times_step(self.step);
         if let (true, Some(device)) = (timed, &self.device) {
             // What earlier steps left in the queue is not this step's.
@@ -376,6 +389,11 @@ impl Simulation {
         {
             descent.end_step();
         }
+        self.end_step(counted)
+    }
+
+    /// The step is done; it counts if the structure was solved in it.
+    fn end_step(&mut self, counted: bool) -> Result<(), Failure> {
         self.step += 1;
         self.cost.steps += u64::from(counted);
         if self.step == self.plan.start_steps {
@@ -395,7 +413,26 @@ impl Simulation {
 
     /// Without a device every step is timed. With one, timing has to wait for it after every stage, which costs time itself.
     fn times_step(&self, step: u64) -> bool {
-        self.device.is_none() || step % TIMED_INTERVAL == TIMED_INTERVAL - 1
+        let interval = self.timed_interval();
+        self.device.is_none() || step % interval == interval - 1
+    }
+
+    /// Where a device makes steps by itself, those that are timed break its series, and are rarer.
+    const fn timed_interval(&self) -> u64 {
+        match self.own_steps {
+            Some(_) => TIMED_INTERVAL_OF_OWN_STEPS,
+            None => TIMED_INTERVAL,
+        }
+    }
+
+    /// The first step from the present one on that is timed.
+    const fn next_timed_step(&self) -> u64 {
+        (self.step + 1).next_multiple_of(self.timed_interval()) - 1
+    }
+
+    /// True while a device has made steps by itself that are not accounted for.
+    fn own_steps_are_ahead(&self) -> bool {
+        self.own_steps.as_ref().is_some_and(OwnSteps::are_ahead)
     }
 
     /// The air counts its steps itself, and knows when the stage is due.
@@ -420,14 +457,20 @@ impl Simulation {
         };
         let markers = self.coupled.as_ref().and_then(Coupled::immersed);
         air.collide_stream(acceleration, markers)?;
+        if self.step >= start_steps {
+            self.add_delivered();
+        }
+        Ok(())
+    }
+
+    /// The air has just got the forces of the markers that the last step spread.
+    fn add_delivered(&mut self) {
         let time_s = self.time_s();
         if let (Some(impulses), Some(coupled @ Coupled::Kernel(_))) =
             (&mut self.impulses, &self.coupled)
-            && self.step >= start_steps
         {
             impulses.add_delivered(coupled, time_s);
         }
-        Ok(())
     }
 
     /// Wind at the inlet of the outermost lattice in a `step` of the finest one.

@@ -34,10 +34,10 @@ const LOOK_INTERVAL: f64 = 0.1;
 
 /// Fewest steps between them: a look costs up to a step of the cells it reads, and a device is waited for.
 const FEWEST_STEPS: u64 = 10;
-const FEWEST_STEPS_ON_DEVICE: u64 = 50;
+const FEWEST_STEPS_ON_DEVICE: u64 = 64;
 
 /// Steps between looks at all cells, at most: half a per cent of a step each where a look costs half a step.
-const WHOLE_INTERVAL: u64 = 100;
+const WHOLE_INTERVAL: u64 = 128;
 
 /// A look at the air, as far as it is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,6 +159,12 @@ impl Watch {
     #[must_use]
     pub const fn is_due(&self, step: u64) -> bool {
         step >= self.next_near || self.whole_is_due(step)
+    }
+
+    /// Step after which the next look is due.
+    #[must_use]
+    pub fn next_due(&self) -> u64 {
+        self.next_near.min(self.next_whole)
     }
 
     /// Looks around the markers, the oldest first.
@@ -420,16 +426,16 @@ mod tests {
         // 16 cells at 0.15 cells per step, in a box of one per cent of the air.
         assert_eq!(steps_between(16.0, 0.15, 0.01, false), 11);
         assert_eq!(steps_between(8.0, 0.1, 0.01, false), 10);
-        assert_eq!(steps_between(8.0, 0.1, 0.01, true), 50);
-        assert_eq!(steps_between(8.0, 0.1, 0.6, false), 60);
+        assert_eq!(steps_between(8.0, 0.1, 0.01, true), 64);
+        assert_eq!(steps_between(8.0, 0.1, 0.6, false), 77);
         assert_eq!(steps_between(64.0, 0.08, 0.1, true), 80);
         let mut watch = Watch::default();
         assert!(watch.is_due(1) && watch.whole_is_due(1));
         assert_eq!(watch.add_near(&found(1, 1.0, None), 11), None);
         assert_eq!(watch.add_whole(&found(1, 1.0, None)), None);
         assert!(!watch.is_due(11) && watch.is_due(12));
-        assert!(!watch.whole_is_due(100) && watch.whole_is_due(101));
+        assert!(!watch.whole_is_due(128) && watch.whole_is_due(129));
         watch.no_markers();
-        assert!(!watch.is_due(100) && watch.is_due(101));
+        assert!(!watch.is_due(128) && watch.is_due(129));
     }
 }

@@ -110,6 +110,8 @@ pub struct StepBase<'a> {
     pub positions_m: Cow<'a, [DVec3]>,
     /// v̂ [m/s], `[node_count]`.
     pub velocities_m_s: Cow<'a, [DVec3]>,
+    /// Share of the last step by which x̂ and v̂ lie beyond xⁿ and vⁿ, r²/(1 + 2r); 0 in a step of backward Euler.
+    pub share: f64,
     /// h [s]; `None` in the static limit.
     pub time_step_s: Option<f64>,
 }
@@ -126,6 +128,7 @@ impl<'a> StepBase<'a> {
             start_m,
             positions_m: Cow::Borrowed(start_m),
             velocities_m_s: Cow::Borrowed(velocities_m_s),
+            share: 0.0,
             time_step_s: input.time_step_s,
         };
         let bdf2 = by_bdf2(before, start_m.len(), input).zip(before);
@@ -142,6 +145,7 @@ impl<'a> StepBase<'a> {
             start_m,
             positions_m: Cow::Owned(beyond(start_m, &before.positions_m)),
             velocities_m_s: Cow::Owned(beyond(velocities_m_s, &before.velocities_m_s)),
+            share,
             time_step_s: Some(h),
         }
     }

@@ -17,6 +17,8 @@ use super::vectors::Space;
 
 /// Trials in the first batch of a solve, at least and at most.
 const FIRST_BATCH: [usize; 2] = [4, 64];
+/// Rows of products of a start.
+const START_ROWS: usize = 3;
 /// Trials in every further one.
 const FURTHER_BATCH: usize = 16;
 
@@ -85,7 +87,7 @@ impl Space<'_> {
     fn batch(&self, pass: &mut Pass<'_>, trials: usize) {
         let decisions = &self.workspace.decisions;
         if let Some(small) = &decisions.small {
-            small.dispatch(pass, [1, 1]);
+            small.bound.dispatch(pass, [1, 1]);
             return;
         }
         for _ in 0..trials {
@@ -119,7 +121,8 @@ impl Space<'_> {
         })
     }
 
-    fn outcome(&self, state: &Minimiser, stop: Stop) -> Outcome {
+    /// Where the minimiser stood when it stopped.
+    pub(super) fn outcome(&self, state: &Minimiser, stop: Stop) -> Outcome {
         let norm = f64::from(state.norm);
         Outcome {
             stop,
@@ -131,16 +134,9 @@ impl Space<'_> {
         }
     }
 
-    /// Uploads what a solve starts from.
-    fn ask(&self, options: &Options) {
-        let workspace = self.workspace;
-        let decisions = &workspace.decisions;
+    /// Stage and minimiser as a solve starts.
+    pub(super) fn start_of(&self, options: &Options) -> (ClothStage, Minimiser) {
         let (gradient, preconditioned) = (FIRST_FREE, FIRST_FREE + 1);
-        let rows = [
-            [ENERGY, NONE, NONE, NONE],
-            [gradient, NONE, preconditioned, NONE],
-            [DRIVE, NONE, DRIVE_STEP, NONE],
-        ];
         let stage = ClothStage {
             point: 0,
             direction: NONE,
@@ -154,12 +150,25 @@ impl Space<'_> {
             displacement_floor: options.displacement_floor_m as f32,
             history: options.history as u32,
             evaluation_limit: u32::try_from(options.evaluation_limit).unwrap_or(u32::MAX),
-            rows: rows.len() as u32,
+            rows: START_ROWS as u32,
             point: stage.point,
             gradient,
             preconditioned,
             ..Minimiser::default()
         };
+        (stage, minimiser)
+    }
+
+    /// Uploads what a solve starts from.
+    fn ask(&self, options: &Options) {
+        let workspace = self.workspace;
+        let decisions = &workspace.decisions;
+        let (stage, minimiser) = self.start_of(options);
+        let rows: [[u32; 4]; START_ROWS] = [
+            [ENERGY, NONE, NONE, NONE],
+            [stage.gradient, NONE, stage.preconditioned, NONE],
+            [DRIVE, NONE, DRIVE_STEP, NONE],
+        ];
         let device = self.device;
         device.write(self.stage_buffer, 0, &[stage]);
         device.write(&decisions.minimiser, 0, &[minimiser]);

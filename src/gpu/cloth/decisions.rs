@@ -15,8 +15,10 @@ use crate::solve::lbfgs::{
 
 use super::elements::joined;
 use super::marker_reactions::{AtMarkers, MarkerPipelines, MarkerReactions};
+use super::own_steps::OwnSteps;
 use super::parameters::Minimiser;
 use super::slots::{FIRST_FREE, ROUND_OFF};
+use super::small_cloth::SmallCloth;
 
 /// Longest history that the device has room for.
 pub(super) const LONGEST_HISTORY: usize = 8;
@@ -77,7 +79,7 @@ pub(super) struct Decisions {
     pub decide: Bound,
     pub deliver: Bound,
     /// The whole minimiser in one workgroup, where the fabric is small.
-    pub small: Option<Bound>,
+    pub small: Option<SmallCloth>,
     /// Where the device forms the reactions of the air at markers itself.
     pub in_air: Option<MarkerReactions>,
     pub nodes: usize,
@@ -158,7 +160,9 @@ impl Decisions {
             in_air,
             decide: device.bind(&pipelines.decide, &all)?,
             deliver: device.bind(&pipelines.deliver, &all)?,
-            small: small.map(|small| device.bind(small, &all)).transpose()?,
+            small: small
+                .map(|small| SmallCloth::new(device, small, &all))
+                .transpose()?,
             minimiser,
             workgroups,
             delivered,
@@ -166,45 +170,84 @@ impl Decisions {
         })
     }
 
-    /// Records where the minimiser stands, to be read.
-    pub fn bring_back(&self, commands: &mut Commands) {
-        let state_bytes = size_of::<Minimiser>() as u64;
-        let node_bytes = (4 * NODE_WORDS * self.nodes) as u64;
-        self.staging
-            .copy(commands, &self.minimiser, 0, 0, state_bytes);
-        self.staging
-            .copy(commands, &self.delivered, 0, state_bytes, node_bytes);
-        if let Some(in_air) = &self.in_air {
-            let copy = |commands: &mut Commands, buffer: &wgpu::Buffer, to, bytes| {
-                self.staging.copy(commands, buffer, 0, to, bytes);
-            };
-            in_air.bring_back(commands, copy, state_bytes + node_bytes);
-        }
+    /// What comes back of a solve, and its bytes.
+    fn parts(&self) -> Vec<(&wgpu::Buffer, u64)> {
+        let mut parts = vec![
+            (&self.minimiser, size_of::<Minimiser>() as u64),
+            (&self.delivered, (4 * NODE_WORDS * self.nodes) as u64),
+        ];
+        parts.extend(self.in_air.iter().flat_map(MarkerReactions::parts));
+        parts
     }
 
-    /// Waits for what was brought back.
+    /// The same of a step of the device's own: the minimiser, then of the markers and of the nodes.
+    fn parts_of_own_step(&self) -> Vec<(&wgpu::Buffer, u64)> {
+        let mut parts = vec![(&self.minimiser, size_of::<Minimiser>() as u64)];
+        if let Some(in_air) = &self.in_air {
+            parts.extend(in_air.parts());
+            parts.extend(in_air.sorted_parts());
+            parts.extend(in_air.own_steps.iter().flat_map(OwnSteps::parts));
+        }
+        parts
+    }
+
+    /// Bytes that come back of a step of the device's own.
+    pub fn own_step_bytes(&self) -> u64 {
+        self.parts_of_own_step()
+            .iter()
+            .map(|(_, bytes)| bytes)
+            .sum()
+    }
+
+    /// Records where the minimiser stands, to be read.
+    pub fn bring_back(&self, commands: &mut Commands) {
+        copy(commands, &self.parts(), &self.staging, 0);
+    }
+
+    /// The same of a step of the device's own, from byte `at` on of another way back.
+    pub fn bring_own_step(&self, commands: &mut Commands, staging: &Staging, at: u64) {
+        copy(commands, &self.parts_of_own_step(), staging, at);
+    }
+
+    /// Waits for what was brought back; of nodes and markers only once the minimiser has ended.
     pub fn read(&self, device: &Device) -> Result<Brought, DeviceError> {
         let mut found = Brought::default();
         self.staging.read(device, |bytes| {
-            let (state, nodes) = bytes.split_at(size_of::<Minimiser>());
-            found.state = bytemuck::pod_read_unaligned(state);
-            if stop(&found.state).is_none() {
-                return;
+            found.state = bytemuck::pod_read_unaligned(&bytes[..size_of::<Minimiser>()]);
+            if stop(&found.state).is_some() {
+                let whole: u64 = self.parts().iter().map(|(_, bytes)| bytes).sum();
+                found = self.brought(&bytes[..whole as usize]);
             }
-            let (nodes, rest) = nodes.split_at(4 * NODE_WORDS * self.nodes);
-            let words: Vec<[u32; NODE_WORDS]> = bytemuck::pod_collect_to_vec(nodes);
-            let in_air = self.in_air.as_ref();
-            found.at_markers = in_air.map(|air| air.brought(&rest[..air.brought_bytes() as usize]));
-            let position = |node: &[u32; NODE_WORDS]| {
-                let axis = |a: usize| joined(node[a].cast_signed(), f32::from_bits(node[3 + a]));
-                DVec3::new(axis(0), axis(1), axis(2))
-            };
-            found.positions_m = words.iter().map(position).collect();
-            found.preconditioned = words
-                .iter()
-                .map(|node| [6, 7, 8].map(|word: usize| f32::from_bits(node[word])))
-                .collect();
         })?;
         Ok(found)
+    }
+
+    /// What bytes hold that were brought back.
+    pub fn brought(&self, bytes: &[u8]) -> Brought {
+        let (state, nodes) = bytes.split_at(size_of::<Minimiser>());
+        let (nodes, rest) = nodes.split_at(4 * NODE_WORDS * self.nodes);
+        let words: Vec<[u32; NODE_WORDS]> = bytemuck::pod_collect_to_vec(nodes);
+        let in_air = self.in_air.as_ref();
+        let position = |node: &[u32; NODE_WORDS]| {
+            let axis = |a: usize| joined(node[a].cast_signed(), f32::from_bits(node[3 + a]));
+            DVec3::new(axis(0), axis(1), axis(2))
+        };
+        Brought {
+            state: bytemuck::pod_read_unaligned(state),
+            at_markers: in_air.map(|air| air.brought(rest)),
+            positions_m: words.iter().map(position).collect(),
+            preconditioned: words
+                .iter()
+                .map(|node| [6, 7, 8].map(|word: usize| f32::from_bits(node[word])))
+                .collect(),
+        }
+    }
+}
+
+/// Records copies of one buffer after the other, from byte `at` on of a way back.
+fn copy(commands: &mut Commands, parts: &[(&wgpu::Buffer, u64)], staging: &Staging, mut at: u64) {
+    for (buffer, bytes) in parts {
+        staging.copy(commands, buffer, 0, at, *bytes);
+        at += bytes;
     }
 }

@@ -17,7 +17,7 @@ const FARTHEST_M: f64 = 16384.0;
 pub(super) const UNITS_PER_M: f64 = 65536.0;
 
 /// A coordinate [m] as a whole number of 2⁻¹⁶ m and a remainder.
-pub(super) fn split(coordinate_m: f64) -> (i32, f32) {
+pub(in crate::gpu) fn split(coordinate_m: f64) -> (i32, f32) {
     if coordinate_m.abs() < FARTHEST_M {
         let whole = (coordinate_m * UNITS_PER_M).round();
         (whole as i32, (coordinate_m - whole / UNITS_PER_M) as f32)

@@ -7,13 +7,14 @@
 use glam::DVec3;
 
 use crate::cloth::Structure;
-use crate::gpu::commands::{Commands, Pass};
+use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
 
 use super::elements::narrow;
+use super::own_steps::{OwnStepPipelines, OwnSteps};
 use super::slots::DRIVE;
 
 /// The markers of the fabric in the air of the same device.
@@ -23,6 +24,9 @@ pub struct MarkersInAir {
     pub(in crate::gpu) sorted: wgpu::Buffer,
     pub(in crate::gpu) states: wgpu::Buffer,
     pub(in crate::gpu) forces: wgpu::Buffer,
+    /// Where the device sorts them itself: numbers in that order, and one more than the number of a marker that left the box.
+    pub(in crate::gpu) order: wgpu::Buffer,
+    pub(in crate::gpu) strayed: wgpu::Buffer,
     /// Stiffness of every marker over its strength a_k [kg/s].
     pub(in crate::gpu) stiffness_kg_s: Vec<f64>,
     /// A lattice unit of velocity [m/s] and of force [N].
@@ -32,6 +36,9 @@ pub struct MarkersInAir {
 
 /// Bytes that come back of a marker: its state and its force.
 const BROUGHT_BYTES: u64 = 32;
+/// The same of a step of the device's own, besides: a number in the sorted order; and of all markers, which one left the box.
+const SORTED_BYTES: u64 = 4;
+const STRAYED_BYTES: u64 = 4;
 
 /// Pipelines, and what does not change between steps.
 #[derive(Debug)]
@@ -44,6 +51,8 @@ pub(super) struct MarkerPipelines {
     still_drive: wgpu::Buffer,
     first: wgpu::Buffer,
     corners: wgpu::Buffer,
+    /// Absent where a step needs more of the host.
+    pub own_steps: Option<OwnStepPipelines>,
 }
 
 /// The same with all buffers.
@@ -52,9 +61,8 @@ pub(super) struct MarkerReactions {
     react: Bound,
     drive: Bound,
     react_back: Bound,
-    states: wgpu::Buffer,
-    forces: wgpu::Buffer,
-    markers: usize,
+    air: MarkersInAir,
+    pub own_steps: Option<OwnSteps>,
     nodes: usize,
 }
 
@@ -65,6 +73,10 @@ pub struct AtMarkers {
     pub states: Vec<[f32; 4]>,
     /// Force on the air [lattice units].
     pub forces: Vec<[f32; 4]>,
+    /// Which markers they are, where the device has sorted them itself.
+    pub order: Vec<u32>,
+    /// A marker that had left the box of cells that the device knew of.
+    pub strayed: Option<u32>,
 }
 
 /// Where the markers of every node begin, and which they are: 3 · marker + corner.
@@ -109,6 +121,7 @@ impl MarkerPipelines {
                 .storage("loads beside the air", 12 * structure.node_count() as u64)?,
             first: device.storage_of("first markers of nodes", &first)?,
             corners: device.storage_of("markers of nodes", &corners)?,
+            own_steps: OwnStepPipelines::new(device, structure, markers.len())?,
             air,
         })
     }
@@ -141,9 +154,10 @@ impl MarkerPipelines {
             react: device.bind(&self.react, &all)?,
             drive: device.bind(&self.drive, &all)?,
             react_back: device.bind(&self.react_back, &all)?,
-            states: self.air.states.clone(),
-            forces: self.air.forces.clone(),
-            markers: self.air.stiffness_kg_s.len(),
+            own_steps: (self.own_steps.as_ref())
+                .map(|own_steps| own_steps.bind(device, &all, nodes))
+                .transpose()?,
+            air: self.air.clone(),
             nodes,
         })
     }
@@ -168,15 +182,25 @@ impl MarkerPipelines {
 }
 
 impl MarkerReactions {
-    /// Bytes that come back.
+    /// Number of markers.
+    pub const fn marker_count(&self) -> usize {
+        self.air.stiffness_kg_s.len()
+    }
+
+    /// Bytes that come back of a solve.
     pub const fn brought_bytes(&self) -> u64 {
-        BROUGHT_BYTES * self.markers as u64
+        BROUGHT_BYTES * self.marker_count() as u64
+    }
+
+    /// Bytes that come back besides of a step of the device's own.
+    pub const fn sorted_bytes(&self) -> u64 {
+        SORTED_BYTES * self.marker_count() as u64 + STRAYED_BYTES
     }
 
     /// Before a solve.
     pub fn react(&self, device: &Device, pass: &mut Pass<'_>) {
         self.react
-            .dispatch(pass, device.workgroups(self.markers as u64));
+            .dispatch(pass, device.workgroups(self.marker_count() as u64));
         self.drive
             .dispatch(pass, device.workgroups(self.nodes as u64));
     }
@@ -184,32 +208,40 @@ impl MarkerReactions {
     /// After it.
     pub fn react_back(&self, device: &Device) {
         let mut commands = device.record("react_back");
-        {
-            let mut pass = commands.pass("react_back");
-            self.react_back
-                .dispatch(&mut pass, device.workgroups(self.markers as u64));
-        }
+        self.record_back(device, &mut commands.pass("react_back"));
         device.leave(commands);
     }
 
-    /// Records what comes back, from a byte of what is brought on.
-    pub fn bring_back(
-        &self,
-        commands: &mut Commands,
-        copy: impl Fn(&mut Commands, &wgpu::Buffer, u64, u64),
-        from: u64,
-    ) {
-        let bytes = self.brought_bytes() / 2;
-        copy(commands, &self.states, from, bytes);
-        copy(commands, &self.forces, from + bytes, bytes);
+    /// The same in a pass of others.
+    pub fn record_back(&self, device: &Device, pass: &mut Pass<'_>) {
+        self.react_back
+            .dispatch(pass, device.workgroups(self.marker_count() as u64));
     }
 
-    /// What came back.
+    /// What comes back of a solve, and its bytes.
+    pub fn parts(&self) -> [(&wgpu::Buffer, u64); 2] {
+        let bytes = self.brought_bytes() / 2;
+        [(&self.air.states, bytes), (&self.air.forces, bytes)]
+    }
+
+    /// What comes back besides of a step of the device's own, and its bytes.
+    pub fn sorted_parts(&self) -> [(&wgpu::Buffer, u64); 2] {
+        let bytes = self.sorted_bytes() - STRAYED_BYTES;
+        [(&self.air.order, bytes), (&self.air.strayed, STRAYED_BYTES)]
+    }
+
+    /// What came back, with the further bytes of a step of the device's own or none.
     pub fn brought(&self, bytes: &[u8]) -> AtMarkers {
-        let (states, forces) = bytes.split_at(bytes.len() / 2);
+        let (states_and_forces, sorted) = bytes.split_at(self.brought_bytes() as usize);
+        let (states, forces) = states_and_forces.split_at(states_and_forces.len() / 2);
+        let (order, strayed) = sorted.split_at(sorted.len().saturating_sub(4));
         AtMarkers {
             states: bytemuck::pod_collect_to_vec(states),
             forces: bytemuck::pod_collect_to_vec(forces),
+            order: bytemuck::pod_collect_to_vec(order),
+            strayed: bytemuck::pod_collect_to_vec::<u8, u32>(strayed)
+                .first()
+                .and_then(|number| number.checked_sub(1)),
         }
     }
 }

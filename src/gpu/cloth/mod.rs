@@ -10,6 +10,7 @@
 //! | `batches` | the minimiser of time steps that it decides |
 //! | `slots` | numbers of vectors and points |
 //! | `marker_reactions` | reactions of the air at markers, where the device has both |
+//! | `own_steps` | steps that the device makes without the host |
 //! | `small_cloth` | the same for small fabric, in one workgroup |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
@@ -31,6 +32,7 @@ mod decisions;
 mod elements;
 mod gathering;
 mod marker_reactions;
+mod own_steps;
 pub mod parameters;
 mod points;
 mod slots;
@@ -56,10 +58,13 @@ use crate::gpu::transfer::Staging;
 use crate::solve::lbfgs::{HISTORY, Options};
 use crate::solve::multigrid::hierarchy::hierarchy;
 
-use elements::{CUT_WORDS, Elements, Triangles, split};
+pub(super) use elements::split;
+use elements::{CUT_WORDS, Elements, Triangles};
 use gathering::Gathering;
 use marker_reactions::MarkerPipelines;
 pub use marker_reactions::{AtMarkers, MarkersInAir};
+pub use own_steps::NodesOnDevice;
+use own_steps::Series;
 use parameters::ClothStage;
 use points::PointSlot;
 use slots::POINTS;
@@ -93,6 +98,8 @@ pub struct Cloth {
     constant_j: f64,
     /// A solve that was begun, until its end is fetched.
     begun: Option<Options>,
+    /// Steps of the device's own that were begun last.
+    series: Option<Series>,
     /// Where the last solve ended, until it is fetched.
     solution: Option<Solution>,
     /// True if the masses on the device hold drag of nodes.
@@ -112,6 +119,8 @@ enum Solution {
     Point(PointSlot),
     /// Positions that have come back already [m].
     Positions(Vec<DVec3>),
+    /// The same of a step that the device has ended itself: to the last bit.
+    Ended(Vec<DVec3>),
 }
 
 /// Multigrid on the whole Hessian in place of block-Jacobi.
@@ -322,6 +331,7 @@ impl Cloth {
             stage: ClothStage::default(),
             constant_j: 0.0,
             begun: None,
+            series: None,
             solution: None,
             drags: false,
             expected_evaluations: 0,

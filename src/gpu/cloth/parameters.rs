@@ -31,7 +31,19 @@ parameters! {
         stiffness_floor: f32,
     }
 
-    /// Where the minimiser on the device stands (`shaders/minimise.wgsl`).
+    /// How fabric goes from step to step where the device makes them by itself (`shaders/fabric_motion.wgsl`).
+    FabricMotion {
+        /// Of x̂ beyond xⁿ: 1/3 of the last way in steps of BDF2, none in those of backward Euler.
+        share: f32,
+        /// 1/h [1/s].
+        rate: f32,
+        /// Mass-proportional damping [1/s].
+        damping: f32,
+        /// H₀ g of a solve that converged counts where no node moves farther by it [m].
+        longest_remainder: f32,
+    }
+
+    /// Where the minimiser on the device stands (`shaders/minimiser_state.wgsl`).
     Minimiser {
         /// Share of `scale` that the energy norm may have.
         tolerance: f32,

@@ -6,7 +6,7 @@
 use crate::gpu::adapters::AdapterKind;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::Pipeline;
+use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders::{self, WORKGROUP};
 
 use super::decisions::constants_of_the_host;
@@ -26,6 +26,41 @@ const BUFFERS: usize = 16;
 /// Buffers of a kind of elements at most.
 const BUFFERS_OF_KIND: usize = 3;
 
+/// The minimiser with its buffers.
+#[derive(Debug)]
+pub(super) struct SmallCloth {
+    pub bound: Bound,
+    /// Trials of one dispatch.
+    trials: usize,
+}
+
+impl SmallCloth {
+    /// With its buffers.
+    pub fn new(
+        device: &Device,
+        pipeline: &Pipeline,
+        buffers: &[(&str, &wgpu::Buffer)],
+    ) -> Result<Self, DeviceError> {
+        Ok(Self {
+            bound: device.bind(pipeline, buffers)?,
+            trials: trials(device.info().kind) as usize,
+        })
+    }
+
+    /// Dispatches after which a solve has had so many evaluations: the first of all is that of the start.
+    pub const fn dispatches(&self, evaluations: usize) -> usize {
+        evaluations.div_ceil(self.trials)
+    }
+}
+
+/// Trials of one dispatch.
+const fn trials(kind: AdapterKind) -> u32 {
+    match kind {
+        AdapterKind::Software => TRIALS_OF_SOFTWARE,
+        _ => TRIALS,
+    }
+}
+
 /// The pipeline for a structure of these kinds of elements; `None` where batches are faster, or the device cannot hold all buffers at once.
 pub(super) fn pipeline(
     device: &Device,
@@ -34,10 +69,10 @@ pub(super) fn pipeline(
     constants: &[(&str, f64)],
 ) -> Result<Option<Pipeline>, DeviceError> {
     let info = device.info();
-    let (usual, trials) = match info.kind {
+    let usual = match info.kind {
         // One workgroup is one thread of the host there, and barriers are dear.
-        AdapterKind::Software => (0, TRIALS_OF_SOFTWARE),
-        _ => (NODES, TRIALS),
+        AdapterKind::Software => 0,
+        _ => NODES,
     };
     let limit = device.tuning().small_cloth_nodes.unwrap_or(usual);
     let buffers = BUFFERS + BUFFERS_OF_KIND * kinds.len();
@@ -49,7 +84,7 @@ pub(super) fn pipeline(
     constants.extend(constants_of_the_host());
     constants.extend([
         ("SMALL_WORKGROUP", f64::from(threads.max(WORKGROUP))),
-        ("TRIALS", f64::from(trials)),
+        ("TRIALS", f64::from(trials(info.kind))),
         ("DRIVE", f64::from(DRIVE)),
     ]);
     let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();

@@ -164,23 +164,31 @@ impl Cloth {
         let base = base(state, input);
         let mut new = base.prediction(&state.structure, input);
         let remainder = std::mem::take(&mut self.remainder);
-        if let Some(solution) = self.solution.take() {
-            let solved = match solution {
-                Solution::Point(point) => self.positions(&point)?,
-                Solution::Positions(positions_m) => positions_m,
-            };
-            for (node, (new, solved)) in new.iter_mut().zip(solved).enumerate() {
-                // Held nodes are where the step puts them, to the last bit.
-                if !state.structure.held[node] {
-                    // The device has the prediction rounded, and what moves from there.
-                    let uploaded = new.to_array().map(|x| {
-                        let (whole, remainder) = split(x);
-                        joined(whole, remainder)
-                    });
-                    *new += solved - DVec3::from_array(uploaded);
-                    if let Some(left) = remainder.get(node) {
-                        *new -= DVec3::from_array(left.map(f64::from));
+        let solved = match self.solution.take() {
+            None => Vec::new(),
+            Some(Solution::Point(point)) => self.positions(&point)?,
+            Some(Solution::Positions(positions_m)) => positions_m,
+            Some(Solution::Ended(positions_m)) => {
+                // The device goes on from these.
+                for (node, (new, ended)) in new.iter_mut().zip(positions_m).enumerate() {
+                    if !state.structure.held[node] {
+                        *new = ended;
                     }
+                }
+                Vec::new()
+            }
+        };
+        for (node, (new, solved)) in new.iter_mut().zip(solved).enumerate() {
+            // Held nodes are where the step puts them, to the last bit.
+            if !state.structure.held[node] {
+                // The device has the prediction rounded, and what moves from there.
+                let uploaded = new.to_array().map(|x| {
+                    let (whole, remainder) = split(x);
+                    joined(whole, remainder)
+                });
+                *new += solved - DVec3::from_array(uploaded);
+                if let Some(left) = remainder.get(node) {
+                    *new -= DVec3::from_array(left.map(f64::from));
                 }
             }
         }
@@ -275,14 +283,18 @@ impl Cloth {
         })
     }
 
-    fn workspace(&self) -> Result<&Workspace, DeviceError> {
+    pub(super) fn workspace(&self) -> Result<&Workspace, DeviceError> {
         self.workspace
             .as_ref()
             .ok_or_else(|| DeviceError::Command("the cloth is not prepared".to_owned()))
     }
 
     /// The objective of a step whose state was uploaded.
-    fn space(&self, constant_j: f64, kind: InitialHessian) -> Result<Space<'_>, DeviceError> {
+    pub(super) fn space(
+        &self,
+        constant_j: f64,
+        kind: InitialHessian,
+    ) -> Result<Space<'_>, DeviceError> {
         let workspace = self.workspace()?;
         let mut space = Space::new(
             &self.device,
@@ -499,14 +511,18 @@ impl Cloth {
 }
 
 /// The minimiser's options, with what positions on the device cannot hold.
-fn device_options(structure: &Structure, input: &StepInput, settings: &SolverSettings) -> Options {
+pub(super) fn device_options(
+    structure: &Structure,
+    input: &StepInput,
+    settings: &SolverSettings,
+) -> Options {
     let mut options = options(structure, input, settings);
     options.displacement_floor_m = options.displacement_floor_m.max(ROUND_OFF_M);
     options
 }
 
 /// What velocities and accelerations of a step count from.
-fn base<'a>(state: &'a State, input: &StepInput) -> StepBase<'a> {
+pub(super) fn base<'a>(state: &'a State, input: &StepInput) -> StepBase<'a> {
     let now = [&state.positions_m[..], &state.velocities_m_s];
     StepBase::new(now, state.step_before.as_ref(), input)
 }

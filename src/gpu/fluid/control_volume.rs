@@ -9,7 +9,7 @@ use crate::lattice::DIRECTIONS;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 
 /// Steps that wait on the device.
-const RING_STEPS: usize = 64;
+const RING_STEPS: usize = 256;
 
 /// Entries that one workgroup sums.
 const PORTION: usize = 1024;

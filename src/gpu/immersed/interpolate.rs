@@ -119,11 +119,8 @@ impl Immersed {
             .map(|(marker, position)| (corner(position) << 32) | marker as u64)
             .collect();
         keys.par_sort_unstable();
-        self.order.clear();
-        self.order.extend(keys.iter().map(|&key| key as u32));
-        for (place, &marker) in self.order.iter().enumerate() {
-            self.places[marker as usize] = place as u32;
-        }
+        self.take_order(keys.iter().map(|&key| key as u32));
+        self.kernels = Some((low, high));
         let sorted: Vec<Marker> = keys
             .iter()
             .map(|&key| {
@@ -139,28 +136,16 @@ impl Immersed {
                 }
             })
             .collect();
-        let Some(boxed) = &mut self.boxed else {
-            return Ok(Ok(()));
-        };
-        boxed.forces.first = low.map(|c| c as u32);
-        boxed.forces.size = size.map(|n| n as u32);
         let repeats = |a: usize| {
             let whole = self.domain.repeats[a] && size[a] == self.domain.cells[a] as u64;
             u32::from(whole)
         };
-        let through = repeats(1) + 2 * repeats(2);
-        let four = |v: [u32; 3], last| [v[0], v[1], v[2], last];
-        let parameters = MarkerParameters {
-            box_first: four(boxed.forces.first, 0),
-            box_size: four(boxed.forces.size, through),
-            marker_count: sorted.len() as u32,
-            box_count: box_count as u32,
-            over_relaxation: self.over_relaxation as f32,
-            largest_strength: (LARGEST_OVER_RELAXATION_RATIO * self.over_relaxation) as f32,
-        };
+        self.lay_box(low, size, repeats(1) + 2 * repeats(2));
         debug_assert!(size.iter().all(|&n| n >= WIDTH as u64));
-        self.device.write(&self.parameters, 0, &[parameters]);
         self.device.write(&self.markers, 0, &sorted);
+        let Some(boxed) = &self.boxed else {
+            return Ok(Ok(()));
+        };
         let mut commands = self.device.record("place_markers");
         commands
             .raw
@@ -173,5 +158,33 @@ impl Immersed {
         }
         self.device.leave(commands);
         Ok(Ok(()))
+    }
+
+    /// Takes the sorted order.
+    pub(super) fn take_order(&mut self, order: impl Iterator<Item = u32>) {
+        self.order.clear();
+        self.order.extend(order);
+        for (place, &marker) in self.order.iter().enumerate() {
+            self.places[marker as usize] = place as u32;
+        }
+    }
+
+    /// Lays the box of cells from `low` on that kernels may reach; `through` tells through which sides they go on.
+    pub(super) fn lay_box(&mut self, low: [i64; 3], size: [u64; 3], through: u32) {
+        let Some(boxed) = &mut self.boxed else {
+            return;
+        };
+        boxed.forces.first = low.map(|c| c as u32);
+        boxed.forces.size = size.map(|n| n as u32);
+        let four = |v: [u32; 3], last| [v[0], v[1], v[2], last];
+        let parameters = MarkerParameters {
+            box_first: four(boxed.forces.first, 0),
+            box_size: four(boxed.forces.size, through),
+            marker_count: self.areas.len() as u32,
+            box_count: size.iter().product::<u64>() as u32,
+            over_relaxation: self.over_relaxation as f32,
+            largest_strength: (LARGEST_OVER_RELAXATION_RATIO * self.over_relaxation) as f32,
+        };
+        self.device.write(&self.parameters, 0, &[parameters]);
     }
 }

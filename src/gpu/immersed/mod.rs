@@ -9,6 +9,7 @@
 
 mod interpolate;
 mod repeat_forcing;
+mod sort_markers;
 mod spread;
 
 use std::sync::Arc;
@@ -21,7 +22,10 @@ use super::pipeline::{Bound, Pipeline};
 use super::shaders::{self, parameters};
 use super::transfer::Staging;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::immersed::touched::Domain;
+use crate::immersed::touched::{CellBox, Domain};
+
+pub use sort_markers::LatticeInSpace;
+use sort_markers::Sorting;
 
 parameters! {
     /// A marker, in sorted order.
@@ -52,6 +56,33 @@ parameters! {
         /// Upper bound of a_k.
         largest_strength: f32,
     }
+    /// What the sort of the markers knows of their box, where the device makes steps by itself.
+    SortParameters {
+        /// First cell of the box.
+        box_first: [i32; 4],
+        /// Its size.
+        box_size: [i32; 4],
+        /// Centre of the lattice's first cell: whole numbers of 2⁻¹⁶ m,
+        origin_whole: [i32; 4],
+        /// and remainders [m].
+        origin_remainder: [f32; 4],
+        /// Size of a cell alike.
+        cell_whole: i32,
+        /// Its remainder [m].
+        cell_remainder: f32,
+        /// Cells in a metre.
+        cells_per_m: f32,
+        /// Cells of the box.
+        box_count: u32,
+        /// Blocks that they are scanned in.
+        block_count: u32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+        /// Unused.
+        padding_c: u32,
+    }
 }
 
 /// Numbers all force buffers ever made, so that none is taken for another.
@@ -68,6 +99,9 @@ const FOLDED_KERNEL_BYTES: u64 = 80;
 
 /// Section of a checkpoint with the forces of the markers.
 pub const FORCES: &str = "marker_forces_on_device";
+
+/// Section with the places of the markers, where the device may have found them itself.
+const PLACED: &str = "markers_placed_by_device";
 
 /// Markers in the air.
 #[derive(Debug)]
@@ -91,6 +125,13 @@ pub struct Immersed {
     target_velocities: wgpu::Buffer,
     /// Place of every marker in the sorted order.
     places: Vec<u32>,
+    /// The same on the device, where it sorts them itself, and a marker that left the box then.
+    sorted_order: wgpu::Buffer,
+    strayed: wgpu::Buffer,
+    /// Where the device may find the markers itself.
+    sorting: Option<Sorting>,
+    /// Smallest box that holds the kernels; `None` before there are any.
+    kernels: Option<CellBox>,
     boxed: Option<Boxed>,
     /// Way back of the marker states.
     staging: Staging,
@@ -184,6 +225,10 @@ impl Immersed {
             marker_velocities: device.storage("marker velocities", 16 * n)?,
             target_velocities: device.storage("target velocities", 16 * n)?,
             places: vec![0; count],
+            sorted_order: device.storage("sorted order", 4 * n)?,
+            strayed: device.storage("strayed marker", 4)?,
+            sorting: None,
+            kernels: None,
             boxed: None,
             staging: Staging::new(&device, 16 * n.max(1))?,
             submitted: None,
@@ -237,6 +282,8 @@ impl Immersed {
             sorted: self.markers.clone(),
             states: self.marker_states.clone(),
             forces: self.marker_forces.clone(),
+            order: self.sorted_order.clone(),
+            strayed: self.strayed.clone(),
             stiffness_kg_s: self.areas.iter().map(of_marker).collect(),
             speed_m_s,
             force_n,
@@ -255,11 +302,8 @@ impl Immersed {
     /// True if all touched cells lie in the box of cells `first..end`.
     #[must_use]
     pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
-        self.boxed.as_ref().is_none_or(|boxed| {
-            (0..3).all(|a| {
-                let low = boxed.forces.first[a] as usize;
-                low >= first[a] && low + boxed.forces.size[a] as usize <= end[a]
-            })
+        self.kernels.is_none_or(|(low, high)| {
+            (0..3).all(|a| low[a] >= first[a] as i64 && high[a] <= end[a] as i64)
         })
     }
 
@@ -325,6 +369,10 @@ impl Immersed {
         out.put("marker_air_velocities", &self.air_velocities)?;
         let by_marker = self.forces_by_marker();
         out.put(FORCES, &by_marker)?;
+        if self.sorting.is_some() {
+            let placed = self.placed().map_err(std::io::Error::other)?;
+            out.put(PLACED, &placed)?;
+        }
         let velocities = self.box_velocities().map_err(std::io::Error::other)?;
         out.put("box_velocities", &velocities)
     }
@@ -354,7 +402,11 @@ impl Immersed {
         let forces: Vec<[f32; 4]> = from.take_exactly(FORCES, count)?;
         let velocities: Vec<[f32; 4]> = from.take("box_velocities")?;
         if self.active {
-            self.send_markers(fluid, positions)
+            let placed: Vec<[f64; 3]> = match from.has(PLACED) {
+                true => from.take_exactly(PLACED, count)?,
+                false => positions.to_vec(),
+            };
+            self.send_markers(fluid, &placed)
                 .map_err(failed)?
                 .map_err(|left| {
                     from.damaged(format!("marker {} lies outside the air", left.marker))
@@ -379,19 +431,34 @@ impl Immersed {
         result
     }
 
-    /// Velocities of the touched cells of the box. The others hold what earlier boxes left there: nothing reads it, and it is not part of the state.
+    /// Velocities of the touched cells of the smallest box that holds all kernels. The others hold what earlier boxes left there: nothing reads it, and it is not part of
+    /// the state.
     fn box_velocities(&self) -> Result<Vec<[f32; 4]>, DeviceError> {
-        let Some(boxed) = &self.boxed else {
+        let (Some(boxed), Some((low, high))) = (&self.boxed, self.kernels) else {
             return Ok(Vec::new());
         };
-        let count = boxed.forces.size.iter().map(|&n| n as usize).product();
-        let mut velocities: Vec<[f32; 4]> = self.device.read(&boxed.cell_states, 0, count)?;
-        let marks: Vec<u32> = self.device.read(&boxed.marks, 0, count)?;
-        for (velocity, mark) in velocities.iter_mut().zip(&marks) {
-            if mark & TOUCHED == 0 {
-                *velocity = [0.0; 4];
+        let ForceBox { first, size, .. } = &boxed.forces;
+        let [nx, ny, nz] = size.map(|n| n as usize);
+        let velocities: Vec<[f32; 4]> = self.device.read(&boxed.cell_states, 0, nx * ny * nz)?;
+        let marks: Vec<u32> = self.device.read(&boxed.marks, 0, nx * ny * nz)?;
+        let [xs, ys, zs] = [0, 1, 2].map(|a| {
+            let from = |place: i64| (place - i64::from(first[a])) as usize;
+            from(low[a])..from(high[a])
+        });
+        let mut kept = Vec::new();
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    let cell = x + nx * (y + ny * z);
+                    let is_touched = marks[cell] & TOUCHED != 0;
+                    kept.push(if is_touched {
+                        velocities[cell]
+                    } else {
+                        [0.0; 4]
+                    });
+                }
             }
         }
-        Ok(velocities)
+        Ok(kept)
     }
 }
