@@ -12,6 +12,7 @@ use glam::DVec3;
 use super::air::{AirEngine, Balance};
 use super::bodies::{Load, inner_momentum};
 use super::coupled::Coupled;
+use super::reach::{body_reach, reach};
 use crate::case::Scene;
 use crate::case::coupling::Scheme;
 use crate::case::scene::{Air, BodyKind, RigidBody};
@@ -22,28 +23,16 @@ use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::nest::EXCHANGED_CELLS;
 use crate::units::Units;
 
-/// Margin of the momentum box around the fabric's reach, in nominal diameters (or sizes).
-const LATERAL_REACH: f64 = 0.7;
-
-/// Reach of the momentum box from the held edge of a plate, in its lengths.
-const PLATE_REACH: f64 = 1.15;
-
-/// Least margin of the momentum box around rigid bodies [cells]: the kernel reaches two.
-const BODY_MARGIN_CELLS: f64 = 4.0;
-
 /// Cells between the momentum box and the faces of a box of finer cells, at least: shell and band, and one more.
 const LEAST_GAP_IN_BOX: i64 = EXCHANGED_CELLS as i64 + 1;
-
-/// Instants at which the way of a rigid body is looked at.
-const LOOKS: u32 = 200;
 
 /// Impulses of the air on the structure since release.
 #[derive(Debug)]
 pub struct Impulses {
     units: Units,
     balance: Balance,
-    /// What crossed its faces in this step is added already.
-    outflow_is_added: bool,
+    /// Steps that are not accounted for, but what crossed its faces in them is added already.
+    outflows_ahead: u64,
     /// Cells touched by markers stayed inside the box so far; never where a body passes through a face.
     contained: bool,
     /// The box's mass is known only while it holds the surfaces: what leaves along links that they cut across its faces comes back unseen.
@@ -110,8 +99,8 @@ pub(super) fn drag_n(drags: &[NodalDrag], cloth: &Cloth) -> DVec3 {
         .iter()
         .filter(|drag| !cloth.structure.held[drag.node as usize])
         .map(|drag| {
-            let slip = drag.air_velocity_m_s - cloth.velocities_m_s[drag.node as usize];
-            slip * drag.coefficient_kg_s
+            let velocity = cloth.velocities_m_s[drag.node as usize];
+            (drag.air_velocity_m_s - velocity) * drag.coefficient_kg_s
         })
         .sum()
 }
@@ -199,7 +188,7 @@ impl Impulses {
         Ok(Self {
             units: air.units,
             balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
-            outflow_is_added: false,
+            outflows_ahead: 0,
             // Markers at a face stand outside the box, which keeps three cells from all faces.
             contained: !scene.passes_through_a_face(),
             cut_links_leave: scene.coupling.is_some_and(|c| c.scheme == Scheme::Links)
@@ -298,19 +287,9 @@ impl Impulses {
         let holds = coupled.kernel().is_some() || coupled.touches_only(volume.first, volume.end);
         if holds {
             self.balance.add_step(air)?;
-            self.outflow_is_added = true;
+            self.outflows_ahead += 1;
         }
         Ok(holds)
-    }
-
-    /// Adds what crosses the faces of the box in a step that a device makes by itself.
-    pub(super) fn add_outflow_ahead(&mut self, air: &AirEngine) -> Result<(), DeviceError> {
-        self.balance.add_step(air)
-    }
-
-    /// What crossed them in the step to be added is.
-    pub(super) const fn outflow_is_added(&mut self) {
-        self.outflow_is_added = true;
     }
 
     pub(super) fn add_step(
@@ -320,8 +299,9 @@ impl Impulses {
         acting: &Acting,
         coupled: &Coupled,
     ) -> Result<(), DeviceError> {
-        if !std::mem::take(&mut self.outflow_is_added) {
-            self.balance.add_step(air)?;
+        match self.outflows_ahead.checked_sub(1) {
+            Some(fewer) => self.outflows_ahead = fewer,
+            None => self.balance.add_step(air)?,
         }
         let volume = self.balance.volume();
         if let Some(apparent) = acting.apparent_m_s2 {
@@ -366,8 +346,9 @@ impl Impulses {
             pull += gravity * mass;
         }
         let loads = structure.loads_n.iter().zip(&structure.held);
-        let free = loads.filter(|(_, held)| !**held);
-        pull += free.map(|(load, _)| *load).sum::<DVec3>();
+        pull += (loads.filter(|(_, held)| !**held))
+            .map(|(load, _)| *load)
+            .sum::<DVec3>();
         self.supports += given_kg_m_s - pull * self.units.time_step_s;
         // What the fabric felt now, the air may still be owed; what it was owed before, it has got.
         let [owed, got] = [coupled.fabric_force_on_air(), self.delivered].map(DVec3::from_array);
@@ -434,76 +415,6 @@ impl Impulses {
                 (stored.mass_excess - self.initial.mass_excess + outflow.mass_excess) / mass
             },
         })
-    }
-}
-
-/// Corners of the box that a rigid body stays in on its way, with a margin [m].
-fn body_reach(body: &RigidBody, end_s: f64, cell_m: f64) -> (DVec3, DVec3) {
-    let (low, high) = body.surface.bounds_m();
-    let margin = (0.5 * (high - low).max_element()).max(BODY_MARGIN_CELLS * cell_m);
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for time_s in body.motion.looks_s(end_s, LOOKS) {
-        let placement = body.motion.at(time_s);
-        for &point in &body.surface.positions_m {
-            let place = placement.position_m(point);
-            (low, high) = (low.min(place), high.max(place));
-        }
-    }
-    (low - margin, high + margin)
-}
-
-/// Corners of the box that the structure is expected to stay in [m].
-fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
-    let positions = &cloth.positions_m;
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions
-        .iter()
-        .copied()
-        .fold(DVec3::NEG_INFINITY, DVec3::max);
-    match kind {
-        Some(BodyKind::Canopy(canopy)) => {
-            let diameter = canopy.nominal_diameter_m;
-            let confluence = canopy.confluence_m(positions);
-            let skirt = positions[..canopy.canopy_node_count]
-                .iter()
-                .map(|p| p.x)
-                .fold(f64::INFINITY, f64::min);
-            let lateral = DVec3::new(0.0, LATERAL_REACH * diameter, LATERAL_REACH * diameter);
-            let line = skirt - confluence.x;
-            (
-                confluence - lateral + DVec3::X * (0.3 * line),
-                confluence + lateral + DVec3::X * (1.1 * line + 0.65 * diameter),
-            )
-        }
-        Some(BodyKind::Plate(plate)) => {
-            // All that it can sweep, but for what lies far upstream.
-            let held = positions.iter().zip(&cloth.structure.held);
-            let held = held.filter(|(_, held)| **held).map(|(place, _)| *place);
-            let length = plate.size_m[0];
-            let (low, high) = held
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-                    (low.min(p), high.max(p))
-                });
-            (
-                low - DVec3::new(0.5, PLATE_REACH, PLATE_REACH) * length,
-                high + DVec3::splat(PLATE_REACH * length),
-            )
-        }
-        Some(BodyKind::Wing(_)) => {
-            // The lines below do not feel the air.
-            let fabric = cloth.structure.triangles.iter().flat_map(|t| t.nodes);
-            let (low, high) = fabric
-                .map(|node| positions[node as usize])
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-                    (low.min(p), high.max(p))
-                });
-            let margin = DVec3::splat(0.5 * (high.x - low.x));
-            (low - margin, high + margin)
-        }
-        _ => {
-            let margin = DVec3::splat(0.5 * (high - low).max_element());
-            (low - margin, high + margin)
-        }
     }
 }
 

@@ -34,6 +34,7 @@ mod own_steps;
 mod panels;
 mod parts;
 mod permeable;
+mod reach;
 mod sliding;
 mod state;
 mod statics;

@@ -14,6 +14,7 @@
 //! | `small_cloth` | the same for small fabric, in one workgroup |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
+//! | `step_words` | what a step sends of elements |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
 //!
 //! *Departures from the CPU*: displacements count from the prediction instead of from xⁿ, so that the velocity change,
@@ -38,6 +39,7 @@ mod points;
 mod slots;
 mod small_cloth;
 mod solve_cloth;
+mod step_words;
 mod stiffness;
 mod vectors;
 mod workspace;
