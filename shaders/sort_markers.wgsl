@@ -48,6 +48,8 @@ override MARKERS: u32 = 1u;
 // Cells that a thread, and that a workgroup scans.
 const RUN: u32 = 16u;
 const BLOCK: u32 = 1024u;
+// The largest number below 1.
+const BELOW_ONE: f32 = 0.99999994;
 
 var<workgroup> sums: array<u32, WORKGROUP>;
 
@@ -103,7 +105,7 @@ fn find_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
     place.remainder += offset;
     var cell = vec3<i32>(floor(from_cell(place, vec3<i32>(0))));
     cell += vec3<i32>(floor(from_cell(place, cell)));
-    let fraction = clamp(from_cell(place, cell), vec3<f32>(0.0), vec3<f32>(1.0));
+    let fraction = clamp(from_cell(place, cell), vec3<f32>(0.0), vec3<f32>(BELOW_ONE));
     let first = cell - 1 - parameters.box_first.xyz;
     let last = parameters.box_size.xyz - 4;
     if any(first < vec3<i32>(0)) || any(first > last) {

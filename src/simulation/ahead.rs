@@ -11,7 +11,7 @@ use crate::gpu::DeviceError;
 impl Simulation {
     /// The caller will read nothing of the air before so many steps are done (counted as [`Simulation::step_count`] does). If it never says so, a device never goes ahead.
     pub const fn set_next_reading(&mut self, step: u64) {
-        self.next_reading = step;
+        self.next_reading = Some(step);
     }
 
     /// True while most cells are a step ahead of those that the structure touches, or a device has made steps that are not accounted for: the air cannot be read.
@@ -60,7 +60,7 @@ impl Simulation {
         let is_wanted = (self.device.as_ref()).is_some_and(|device| device.tuning().goes_ahead);
         is_wanted
             && self.step >= self.plan.start_steps
-            && next < self.next_reading
+            && self.next_reading.is_some_and(|reading| next < reading)
             && !self.watch.is_due(next)
             && !self.times_step(self.step)
             && !self.times_step(next)

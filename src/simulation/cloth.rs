@@ -283,6 +283,10 @@ impl Simulation {
         cost.evaluations += outcome.evaluations as u64;
         cost.unconverged += u64::from(!outcome.stop.reached());
         self.account.hold(outcome);
+        let border = self.border_behind(self.step + 1);
+        if let Some(own_steps) = &mut self.own_steps {
+            own_steps.note(border, outcome);
+        }
     }
 
     /// The last solve stands: it is not taken back any more.

@@ -74,8 +74,10 @@ impl Simulation {
         let Err(left) = surfaces else {
             return Ok(());
         };
-        // Perhaps the air drove it out.
-        self.look()?;
+        // Perhaps the air drove it out. Air that is ahead tells of another time.
+        if !self.is_ahead() {
+            self.look()?;
+        }
         let Some(coupled) = &self.coupled else {
             return Ok(());
         };

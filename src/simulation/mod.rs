@@ -119,8 +119,8 @@ pub struct Simulation {
     opening: Option<Opening>,
     origin: Origin,
     step: u64,
-    /// Step at which the caller reads the air next, for all that is known.
-    next_reading: u64,
+    /// Step at which the caller reads the air next; `None` where it has never said so.
+    next_reading: Option<u64>,
     /// Looks for a flow that breaks down.
     watch: Watch,
     /// Last step at which all air was looked at and found sound.
@@ -260,7 +260,7 @@ impl Simulation {
             impulses,
             opening: None,
             step: 0,
-            next_reading: 0,
+            next_reading: None,
             watch: Watch::default(),
             sound_step: 0,
             largest_marker_motion: 0.0,
@@ -418,7 +418,7 @@ impl Simulation {
         self.device.is_none() || step % interval == interval - 1
     }
 
-    /// Where a device makes steps by itself, those that are timed break its series, and are rarer.
+    /// Where a device makes steps by itself, those that are timed are made with the host. They break its series, and are rarer.
     const fn timed_interval(&self) -> u64 {
         match self.own_steps {
             Some(_) => TIMED_INTERVAL_OF_OWN_STEPS,

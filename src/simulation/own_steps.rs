@@ -10,14 +10,16 @@
 
 use super::{ClothEngine, Coupled, Failure, Simulation};
 use crate::case::Scene;
+use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::TimeIntegration;
 use crate::cpu::cloth::Cloth;
 use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::gpu::{DeviceError, DeviceWork};
 use crate::plan::{Plan, Stage};
+use crate::solve::lbfgs::Outcome;
 
-/// Most steps of a series.
+/// Most steps of a series: it reaches over no border, which are so many steps apart. Lattices of all levels stand at one time there.
 const MOST: u64 = 64;
 
 /// Cells that markers have room to move in during a series, and times as fast as they are now they may become for it. So they may always move by a quarter of a cell in a
@@ -25,20 +27,22 @@ const MOST: u64 = 64;
 const ROOM: u32 = 16;
 const FASTER: f64 = 2.0;
 
-/// Steps with the host after a solve that took more than this share of the evaluations it may take.
+/// A solve that took so many evaluations or more was hard: from the next border on so many steps are made with the host.
 const HARD: usize = STEP_PATIENCE / 5 * 4;
-const STEPS_AFTER_HARD: u64 = 100;
+const STEPS_AFTER_HARD: u64 = 2 * MOST;
 
-/// Section of a checkpoint with the step before which none is made.
-const SECTION: &str = "own_steps_not_before";
+/// Section of a checkpoint with the steps that are made with the host.
+const SECTION: &str = "own_steps_with_host";
 
 /// Where the device may make steps by itself.
 #[derive(Debug, Default)]
 pub(super) struct OwnSteps {
+    /// Step at which the last series began.
+    began: u64,
     /// Step up to which it has made them; `None` where all are accounted for.
     made: Option<u64>,
-    /// Step before which it makes none.
-    not_before: u64,
+    /// Steps that are made with the host after hard solves: the first, and the one behind the last.
+    with_host: [u64; 2],
 }
 
 impl OwnSteps {
@@ -60,14 +64,31 @@ impl OwnSteps {
         Ok(kernel.follow(nodes)?.then(Self::default))
     }
 
+    /// True if a step is to be made with the host, after a hard solve.
+    const fn need_host(&self, step: u64) -> bool {
+        self.with_host[0] <= step && step < self.with_host[1]
+    }
+
+    /// Notes how the solve of a step ended before the next border.
+    pub(super) fn note(&mut self, first: u64, outcome: &Outcome) {
+        if outcome.stop.reached() && outcome.evaluations < HARD {
+            return;
+        }
+        if first > self.with_host[1] {
+            self.with_host[0] = first;
+        }
+        self.with_host[1] = first + STEPS_AFTER_HARD;
+    }
+
     pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
-        out.put(SECTION, &[self.not_before])
+        out.put(SECTION, &self.with_host)
     }
 
     pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
         // A run whose device needed its host knows nothing of it.
         if from.has(SECTION) {
-            self.not_before = from.take_exactly(SECTION, 1)?[0];
+            self.with_host
+                .copy_from_slice(&from.take_exactly::<u64>(SECTION, 2)?);
         }
         Ok(())
     }
@@ -87,23 +108,45 @@ impl Simulation {
             return 0;
         };
         let wanted = (self.device.as_ref()).is_some_and(|device| device.tuning().goes_ahead);
-        let may = self.released() && self.step >= own_steps.not_before && self.steps_alike(cloth);
+        let may = self.released()
+            && self.cloth_engine.nodes_on_device().is_some()
+            && !own_steps.need_host(self.step)
+            && self.steps_alike(cloth);
         if !wanted || !may {
             return 0;
         }
         let fastest = FASTER * coupled.fastest_of_fabric(cloth);
         let by_room = (f64::from(ROOM) / fastest.max(f64::MIN_POSITIVE)) as u64;
+        let Some(next_reading) = self.next_reading else {
+            return 0;
+        };
+        let next = self.step + 1;
         let ends = [
-            self.step.saturating_add(MOST),
+            self.border_behind(next),
             self.step.saturating_add(by_room),
             self.step.saturating_add(self.cloth_engine.most_own_steps()),
-            self.next_reading,
-            // A look that is due now comes after the next step.
-            self.watch.next_due().max(self.step + 1),
+            // What is due now comes after the next step.
+            next_reading.max(next),
+            self.watch.next_due().max(next),
             self.next_timed_step(),
         ];
         let end = ends.into_iter().min().unwrap_or_default();
-        end.saturating_sub(self.step)
+        // Whole steps of all lattices, but for a rest.
+        let whole = (self.step..=end).rev().find(|step| self.are_whole(*step));
+        let whole = whole.filter(|whole| *whole > self.step);
+        whole.unwrap_or(end).saturating_sub(self.step)
+    }
+
+    /// The first border from a step on, counted from where steps are.
+    pub(super) const fn border_behind(&self, step: u64) -> u64 {
+        let origin = self.origin.step;
+        origin + step.saturating_sub(origin).next_multiple_of(MOST)
+    }
+
+    /// True if lattices of all levels stand at one time after so many steps.
+    pub(super) fn are_whole(&self, steps: u64) -> bool {
+        let outer = self.scene.air.as_ref().map_or(1, Air::steps_per_outer);
+        steps.saturating_sub(self.origin.step).is_multiple_of(outer)
     }
 
     /// True if this step counts from the last one as all further ones do from theirs.
@@ -132,6 +175,7 @@ impl Simulation {
         }
         self.cloth_engine.submit_own_steps()?;
         if let Some(own_steps) = &mut self.own_steps {
+            own_steps.began = self.step;
             own_steps.made = Some(self.step + steps);
         }
         Ok(())
@@ -176,13 +220,22 @@ impl Simulation {
         let mut asked = self.device_work();
         self.add_delivered();
         let (outcome, at_markers) = self.cloth_engine.take_own_step()?;
-        let time_s = self.time_at(self.step + 1);
+        let next = self.step + 1;
+        let mut began = next;
+        if let Some(own_steps) = &mut self.own_steps {
+            own_steps.made = own_steps.made.filter(|made| *made > next);
+            began = own_steps.began;
+        }
+        let time_s = self.time_at(next);
         if let Some(kernel) = self.coupled.as_mut().and_then(Coupled::kernel_mut) {
             let placed = kernel.take_sorted(self.cloth.as_ref(), time_s, &at_markers.order);
             self.still_inside(placed.map_err(Into::into))?;
         }
         if at_markers.strayed.is_some() {
-            let what = format!("the surface moved farther than {ROOM} cells within {MOST} steps");
+            let what = format!(
+                "the surface moved farther than {ROOM} cells within {} steps",
+                self.step - began
+            );
             return Err(self.diverged(what).into());
         }
         self.begin_solve();
@@ -191,13 +244,6 @@ impl Simulation {
         self.accumulate()?;
         self.count_device_work(Stage::Measure, &mut asked);
         self.cost.own_steps += 1;
-        let next = self.step + 1;
-        if let Some(own_steps) = &mut self.own_steps {
-            own_steps.made = own_steps.made.filter(|made| *made > next);
-            if !outcome.stop.reached() || outcome.evaluations > HARD {
-                own_steps.not_before = next + STEPS_AFTER_HARD;
-            }
-        }
         self.end_step(true)
     }
 

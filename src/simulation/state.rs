@@ -86,6 +86,9 @@ impl Simulation {
     /// True if all lattices of the air stand at one time: what is read of all of it, and checkpoints, are whole.
     #[must_use]
     pub fn stands_together(&self) -> bool {
+        if self.own_steps_are_ahead() {
+            return self.are_whole(self.step);
+        }
         self.air.as_ref().is_none_or(Levels::stand_together)
     }
 

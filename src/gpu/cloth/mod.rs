@@ -371,6 +371,10 @@ impl Cloth {
             let air = self.in_air.take().map(MarkerPipelines::into_air);
             let markers = std::mem::take(&mut self.markers);
             *self = Self::with_triangles(device, structure, (&markers, air), triangles)?;
+            // Whoever followed its nodes knows nothing of the new buffers.
+            if let Some(in_air) = &mut self.in_air {
+                in_air.own_steps = None;
+            }
         }
         self.make_room(settings.history)?;
         if settings.initial_hessian == InitialHessian::Multigrid && self.multigrid.is_none() {

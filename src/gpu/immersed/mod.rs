@@ -22,7 +22,7 @@ use super::pipeline::{Bound, Pipeline};
 use super::shaders::{self, parameters};
 use super::transfer::Staging;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::immersed::touched::{CellBox, Domain};
+use crate::immersed::touched::{CellBox, Domain, bounding_box};
 
 pub use sort_markers::LatticeInSpace;
 use sort_markers::Sorting;
@@ -369,11 +369,13 @@ impl Immersed {
         out.put("marker_air_velocities", &self.air_velocities)?;
         let by_marker = self.forces_by_marker();
         out.put(FORCES, &by_marker)?;
-        if self.sorting.is_some() {
+        let mut kernels = self.kernels;
+        if self.sorting.is_some() && self.active {
             let placed = self.placed().map_err(std::io::Error::other)?;
             out.put(PLACED, &placed)?;
+            kernels = bounding_box(&placed, self.domain).unwrap_or(kernels);
         }
-        let velocities = self.box_velocities().map_err(std::io::Error::other)?;
+        let velocities = (self.box_velocities(kernels)).map_err(std::io::Error::other)?;
         out.put("box_velocities", &velocities)
     }
 
@@ -433,8 +435,8 @@ impl Immersed {
 
     /// Velocities of the touched cells of the smallest box that holds all kernels. The others hold what earlier boxes left there: nothing reads it, and it is not part of
     /// the state.
-    fn box_velocities(&self) -> Result<Vec<[f32; 4]>, DeviceError> {
-        let (Some(boxed), Some((low, high))) = (&self.boxed, self.kernels) else {
+    fn box_velocities(&self, kernels: Option<CellBox>) -> Result<Vec<[f32; 4]>, DeviceError> {
+        let (Some(boxed), Some((low, high))) = (&self.boxed, kernels) else {
             return Ok(Vec::new());
         };
         let ForceBox { first, size, .. } = &boxed.forces;

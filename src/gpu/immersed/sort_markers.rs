@@ -238,7 +238,7 @@ impl Immersed {
     /// Places of the markers as the kernels have them [cells]: whole cells, and fractions in single precision.
     pub(super) fn placed(&self) -> Result<Vec<[f64; 3]>, DeviceError> {
         let mut placed = vec![[0.0; 3]; self.areas.len()];
-        let Some(boxed) = self.boxed.as_ref().filter(|_| self.active) else {
+        let Some(boxed) = &self.boxed else {
             return Ok(placed);
         };
         let ForceBox { first, size, .. } = boxed.forces;
