@@ -39,6 +39,7 @@ const SCENES: [(&str, &[&str]); 2] = [
         &[
             "resolution.cells_per_diameter=16.0",
             "air.refinement.around=\"structure\"",
+            "solver.tolerance=1e-4",
         ],
     ),
     (
@@ -48,11 +49,12 @@ const SCENES: [(&str, &[&str]); 2] = [
             "time.integration=\"backward_euler\"",
             "gravity.acceleration_m_s2=[9.81, 0.0, 0.0]",
             "solver.damping_1_s=20.0",
+            "solver.tolerance=1e-3",
         ],
     ),
 ];
 
-/// The lattice of most other trials.
+/// The lattice of other trials; the solver has the tolerance of the case, 1e-2.
 const COARSE: [&str; 1] = ["resolution.cells_per_diameter=10.0"];
 
 pub fn trials() -> Vec<Trial> {
@@ -89,7 +91,6 @@ fn new(device: &Arc<Device>, overrides: &[&str]) -> Simulation {
     let usual = [
         "air.wind_tunnel.start_time_s=0.002",
         "structure.flat_circular.rings=8",
-        "solver.tolerance=1e-4",
         "time.end_s=0.1",
     ];
     let choices = Choices {
@@ -133,9 +134,10 @@ fn go_on(simulation: &mut Simulation, steps: u64) {
 fn are_those_with_the_host(overrides: &[&str]) {
     let [mut with_host, mut alone] = [false, true].map(|own| released(&device(own), overrides));
     // From the same state.
-    for (steps, [of_impulses, of_nodes]) in
-        [(1, tolerances::OWN_STEP), (STEPS, tolerances::OWN_STEPS)]
-    {
+    for (steps, [of_impulses, of_nodes]) in [
+        (FIRST, tolerances::OWN_STEP),
+        (STEPS, tolerances::OWN_STEPS),
+    ] {
         let own_steps = |simulation: &Simulation| simulation.cost().own_steps;
         let before = own_steps(&alone);
         go_on(&mut with_host, steps);
@@ -225,7 +227,11 @@ fn counts() {
 /// A solve that the device does not end stands as it is and is counted. Then the host takes part for a while, from the same step on whichever steps are made at once.
 fn unsolved() {
     let device = device(true);
-    let few = [COARSE[0], "solver.evaluation_limit=5"];
+    let few = [
+        COARSE[0],
+        "solver.tolerance=1e-4",
+        "solver.evaluation_limit=5",
+    ];
     let runs = [&[120][..], &[7, 40, 73]].map(|parts| {
         let mut simulation = new(&device, &few);
         while !simulation.released() {
