@@ -64,9 +64,9 @@ impl Around {
 }
 
 impl Simulation {
-    /// Looks at the air where that is due.
+    /// Looks at the air where that is due, and the air is not ahead.
     pub(super) fn watch(&mut self) -> Result<(), Failure> {
-        if !self.watch.is_due(self.step) {
+        if !self.watch.is_due(self.step) || self.own_steps_are_ahead() {
             return Ok(());
         }
         let whole = self.watch.whole_is_due(self.step);

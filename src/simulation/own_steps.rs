@@ -2,7 +2,7 @@
 //! them without the host: it places and sorts the markers, predicts the nodes, solves, and spreads. Every step leaves its nodes, u* and forces
 //! on the device, and one map brings those of the whole series. From them the host makes up its accounts, step by step, as if it had been there.
 //!
-//! A series ends before somebody reads the air ([`Simulation::set_next_reading`], looks for a flow that breaks down, the clock of the stages). Meanwhile the air is
+//! A series ends before somebody reads the air ([`Simulation::set_next_reading`], the clock of the stages); looks for a flow that breaks down wait for its end. Meanwhile the air is
 //! ahead of the host ([`Simulation::is_ahead`]). A run has the same bits whichever steps make up a series.
 //!
 //! *Departure from steps with the host*: a solve that the device does not end stands as it is, and is counted as one that did not converge. Then, and where solves come
@@ -125,9 +125,8 @@ impl Simulation {
             self.border_behind(next),
             self.step.saturating_add(by_room),
             self.step.saturating_add(self.cloth_engine.most_own_steps()),
-            // What is due now comes after the next step.
+            // What is to be read now is read after the next step.
             next_reading.max(next),
-            self.watch.next_due().max(next),
             self.next_timed_step(),
         ];
         let end = ends.into_iter().min().unwrap_or_default();

@@ -161,12 +161,6 @@ impl Watch {
         step >= self.next_near || self.whole_is_due(step)
     }
 
-    /// Step after which the next look is due.
-    #[must_use]
-    pub fn next_due(&self) -> u64 {
-        self.next_near.min(self.next_whole)
-    }
-
     /// Looks around the markers, the oldest first.
     #[must_use]
     pub fn looks(&self) -> &[Look] {
