@@ -50,7 +50,7 @@
 //! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric). `collide_ahead`, too, is in the plan only there; the next `collide_stream` has the cells that are left.
 //! Where one device has both and plain markers, it forms their reactions and forces itself (`gpu/cloth/marker_reactions.rs`, `simulation/meeting.rs`). `spread` comes before `fetch_nodes` then,
 //! which brings what the host's accounts need, and nothing else is fetched or sent at markers. Where nothing but the structure changes from step to step, it makes series
-//! of steps by itself (`simulation/own_steps.rs`), and the host makes up the accounts afterwards.
+//! of steps by itself (`simulation/device_alone.rs`), and the host makes up the accounts afterwards.
 //!
 //! Boxes of cells half as large ([`simulation::Levels`], `docs/refinement.md`) exchange what they know with the lattice around them after two of
 //! their steps (`fluid/transfer/`, `fluid/transfer.rs`).

@@ -17,6 +17,7 @@ mod coupling_stages;
 mod cut_bodies;
 mod cut_surface;
 mod descent;
+mod device_alone;
 mod drags;
 mod energy;
 mod energy_account;

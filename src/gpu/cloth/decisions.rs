@@ -8,16 +8,13 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
 use crate::gpu::transfer::Staging;
-use crate::solve::lbfgs::{
-    ARMIJO, LEAST_CURVATURE, LINE_SEARCH_LIMIT, OUT_OF_BALANCE, PROGRESS, RETREAT, ROUND_OFF_LIMIT,
-    SHORTER, STAGNATION_LIMIT, Stop, WOLFE,
-};
+use crate::solve::lbfgs::Stop;
 
 use super::elements::joined;
+use super::host_constants::constants_of_the_host;
 use super::marker_reactions::{AtMarkers, MarkerPipelines, MarkerReactions};
-use super::own_steps::OwnSteps;
+use super::motion::OwnSteps;
 use super::parameters::Minimiser;
-use super::slots::{FIRST_FREE, ROUND_OFF};
 use super::small_cloth::SmallCloth;
 
 /// Longest history that the device has room for.
@@ -83,25 +80,6 @@ pub(super) struct Decisions {
     /// Where the device forms the reactions of the air at markers itself.
     pub in_air: Option<MarkerReactions>,
     pub nodes: usize,
-}
-
-/// What the shaders that decide know of the host's minimiser.
-pub(super) fn constants_of_the_host() -> [(&'static str, f64); 13] {
-    [
-        ("FIRST_FREE", f64::from(FIRST_FREE)),
-        ("ROUND_OFF", ROUND_OFF),
-        ("OUT_OF_BALANCE", OUT_OF_BALANCE),
-        ("ARMIJO", ARMIJO),
-        ("WOLFE", WOLFE),
-        ("RETREAT", RETREAT),
-        ("SHORTEST", SHORTER[0]),
-        ("SHORTENED", SHORTER[1]),
-        ("LEAST_CURVATURE", LEAST_CURVATURE),
-        ("PROGRESS", PROGRESS),
-        ("LINE_SEARCH_LIMIT", LINE_SEARCH_LIMIT as f64),
-        ("STAGNATION_LIMIT", STAGNATION_LIMIT as f64),
-        ("ROUND_OFF_LIMIT", ROUND_OFF_LIMIT as f64),
-    ]
 }
 
 /// What comes back after a batch.

@@ -14,7 +14,7 @@ use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
 
 use super::elements::narrow;
-use super::own_steps::{OwnStepPipelines, OwnSteps};
+use super::motion::{OwnStepPipelines, OwnSteps};
 use super::slots::DRIVE;
 
 /// The markers of the fabric in the air of the same device.

@@ -10,7 +10,9 @@
 //! | `batches` | the minimiser of time steps that it decides |
 //! | `slots` | numbers of vectors and points |
 //! | `marker_reactions` | reactions of the air at markers, where the device has both |
+//! | `motion` | from the end of one solve to the start of the next, on the device |
 //! | `own_steps` | steps that the device makes without the host |
+//! | `host_constants` | what shaders that decide know of the host's minimiser |
 //! | `small_cloth` | the same for small fabric, in one workgroup |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
@@ -32,7 +34,9 @@ mod curvature;
 mod decisions;
 mod elements;
 mod gathering;
+mod host_constants;
 mod marker_reactions;
+mod motion;
 mod own_steps;
 pub mod parameters;
 mod points;
@@ -65,8 +69,8 @@ use elements::{CUT_WORDS, Elements, Triangles};
 use gathering::Gathering;
 use marker_reactions::MarkerPipelines;
 pub use marker_reactions::{AtMarkers, MarkersInAir};
-pub use own_steps::NodesOnDevice;
-use own_steps::Series;
+pub use motion::NodesOnDevice;
+use motion::Series;
 use parameters::ClothStage;
 use points::PointSlot;
 use slots::POINTS;

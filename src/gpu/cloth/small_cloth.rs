@@ -9,8 +9,8 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders::{self, WORKGROUP};
 
-use super::decisions::constants_of_the_host;
 use super::elements::Kind;
+use super::host_constants::constants_of_the_host;
 use super::slots::DRIVE;
 
 /// Nodes of the largest fabric that is solved so on a graphics device (docs/results/2026-11-27-fabric-on-the-device.md).

@@ -10,6 +10,7 @@
 mod interpolate;
 mod repeat_forcing;
 mod sort_markers;
+mod sorting;
 mod spread;
 
 use std::sync::Arc;
@@ -24,8 +25,8 @@ use super::transfer::Staging;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::immersed::touched::{CellBox, Domain, bounding_box};
 
-pub use sort_markers::LatticeInSpace;
-use sort_markers::Sorting;
+pub use sorting::LatticeInSpace;
+use sorting::Sorting;
 
 parameters! {
     /// A marker, in sorted order.

@@ -4,53 +4,18 @@
 //! The box that holds all kernels stays the same for several steps, with room to move. *Departure from the sort of the host*: fractions of a cell come from positions in fixed
 //! point, in `f32`; they differ by some 1e-7 cells.
 
-use glam::DVec3;
-
+use super::sorting::{LatticeInSpace, SortedBox, Sorting};
 use super::{Immersed, Marker, SortParameters};
 use crate::gpu::cloth::NodesOnDevice;
 use crate::gpu::cloth::split;
 use crate::gpu::error::DeviceError;
 use crate::gpu::fluid::{Fluid, ForceBox};
-use crate::gpu::pipeline::{Bound, Pipeline};
+use crate::gpu::pipeline::Pipeline;
 use crate::gpu::shaders;
 use crate::immersed::touched::{OutOfDomain, bounding_box};
 
 /// Cells that one workgroup scans, as in the shader.
 const BLOCK: u64 = 1024;
-
-/// The lattice in space.
-#[derive(Debug, Clone, Copy)]
-pub struct LatticeInSpace {
-    /// Centre of its first cell [m].
-    pub first_centre_m: DVec3,
-    /// Size of a cell [m].
-    pub cell_size_m: f64,
-}
-
-/// What the device sorts its markers with.
-#[derive(Debug)]
-pub(super) struct Sorting {
-    lattice: LatticeInSpace,
-    pipelines: [Pipeline; 5],
-    nodes: NodesOnDevice,
-    parameters: wgpu::Buffer,
-    areas: wgpu::Buffer,
-    unsorted: wgpu::Buffer,
-    scattered: wgpu::Buffer,
-    boxed: Option<SortedBox>,
-}
-
-/// What belongs to the cells of the box.
-#[derive(Debug)]
-struct SortedBox {
-    generation: u64,
-    /// Cell by cell, block by block, marker by marker.
-    find_cells: Bound,
-    scan_cells: Bound,
-    scan_blocks: Bound,
-    scatter_markers: Bound,
-    rank_markers: Bound,
-}
 
 impl Immersed {
     /// From now on the device may find the markers itself, at these nodes. False, and it may not, where kernels go on through sides or are folded at faces.

@@ -1,0 +1,172 @@
+//! Steps that a device makes by itself. Where one device has air and fabric, and nothing but the structure's state changes from step to step, it makes a series of
+//! them without the host: it places and sorts the markers, predicts the nodes, solves, and spreads. Every step leaves its nodes, u* and forces
+//! on the device, and one map brings those of the whole series. From them the host makes up its accounts, step by step, as if it had been there.
+//!
+//! A series ends before somebody reads the air ([`Simulation::set_next_reading`], the clock of the stages); looks for a flow that breaks down wait for its end. Meanwhile the air is
+//! ahead of the host ([`Simulation::is_ahead`]). A run has the same bits whichever steps make up a series.
+//!
+//! *Departure from steps with the host*: a solve that the device does not end stands as it is, and is counted as one that did not converge. Then, and where solves come
+//! near to that, steps are made with the host for a while, to which the device leaves what it does not solve.
+
+use super::own_steps::{FASTER, MOST, ROOM};
+use super::{Coupled, Failure, Simulation};
+use crate::case::scene::Air;
+use crate::cloth::TimeIntegration;
+use crate::cpu::cloth::Cloth;
+use crate::gpu::DeviceWork;
+use crate::plan::Stage;
+
+impl Simulation {
+    /// Steps that the device may make by itself now; 0 where the host is needed first.
+    fn own_steps_now(&self) -> u64 {
+        let (Some(own_steps), Some(coupled), Some(cloth)) =
+            (&self.own_steps, &self.coupled, &self.cloth)
+        else {
+            return 0;
+        };
+        let wanted = (self.device.as_ref()).is_some_and(|device| device.tuning().goes_ahead);
+        let may = self.released()
+            && self.cloth_engine.nodes_on_device().is_some()
+            && !own_steps.need_host(self.step)
+            && self.steps_alike(cloth);
+        if !wanted || !may {
+            return 0;
+        }
+        let fastest = FASTER * coupled.fastest_of_fabric(cloth);
+        let by_room = (f64::from(ROOM) / fastest.max(f64::MIN_POSITIVE)) as u64;
+        let Some(next_reading) = self.next_reading else {
+            return 0;
+        };
+        let next = self.step + 1;
+        let ends = [
+            self.border_behind(next),
+            self.step.saturating_add(by_room),
+            self.step.saturating_add(self.cloth_engine.most_own_steps()),
+            // What is to be read now is read after the next step.
+            next_reading.max(next),
+            self.next_timed_step(),
+        ];
+        let end = ends.into_iter().min().unwrap_or_default();
+        // Whole steps of all lattices, but for a rest.
+        let whole = (self.step..=end).rev().find(|step| self.are_whole(*step));
+        let whole = whole.filter(|whole| *whole > self.step);
+        whole.unwrap_or(end).saturating_sub(self.step)
+    }
+
+    /// The first border from a step on, counted from where steps are.
+    pub(super) const fn border_behind(&self, step: u64) -> u64 {
+        let origin = self.origin.step;
+        origin + step.saturating_sub(origin).next_multiple_of(MOST)
+    }
+
+    /// True if lattices of all levels stand at one time after so many steps.
+    pub(super) fn are_whole(&self, steps: u64) -> bool {
+        let outer = self.scene.air.as_ref().map_or(1, Air::steps_per_outer);
+        steps.saturating_sub(self.origin.step).is_multiple_of(outer)
+    }
+
+    /// True if this step counts from the last one as all further ones do from theirs.
+    fn steps_alike(&self, cloth: &Cloth) -> bool {
+        self.scene.time.is_some_and(|time| {
+            time.integration == TimeIntegration::BackwardEuler
+                || (cloth.step_before.as_ref())
+                    .is_some_and(|before| before.time_step_s == time.step_s)
+        })
+    }
+
+    /// Has the device begin with a series, if it may.
+    pub(super) fn begin_own_steps(&mut self) -> Result<(), Failure> {
+        let steps = self.own_steps_now();
+        if steps == 0 {
+            return Ok(());
+        }
+        let mut asked = self.device_work();
+        self.begin_solve();
+        let begun = self.with_fabric(|engine, cloth, input, settings| {
+            engine.begin_own_steps((cloth, input), settings, steps as usize)
+        });
+        begun.transpose()?;
+        for further in 0..steps {
+            self.make_own_step(further, &mut asked)?;
+        }
+        self.cloth_engine.submit_own_steps()?;
+        if let Some(own_steps) = &mut self.own_steps {
+            own_steps.began = self.step;
+            own_steps.made = Some(self.step + steps);
+        }
+        Ok(())
+    }
+
+    /// The stages of a step that many steps ahead.
+    fn make_own_step(&mut self, further: u64, asked: &mut DeviceWork) -> Result<(), Failure> {
+        self.set_inlet_velocity(self.step + further);
+        self.eddy_viscosity()?;
+        self.count_device_work(Stage::EddyViscosity, asked);
+        let (Some(air), Some(coupled), Some(impulses)) =
+            (&mut self.air, &mut self.coupled, &mut self.impulses)
+        else {
+            return Ok(());
+        };
+        air.collide_stream(None, coupled.immersed())?;
+        air.coarser_levels(None)?;
+        impulses.add_outflow(air.finest(), coupled)?;
+        let Some(kernel) = coupled.kernel_mut() else {
+            return Ok(());
+        };
+        let enclosed = if further == 0 {
+            kernel.enclose(air.finest(), ROOM)?
+        } else {
+            Ok(())
+        };
+        kernel.sort_markers();
+        let placed = kernel.interpolate(air.finest(), None, 0.0)?;
+        self.count_device_work(Stage::CollideStream, asked);
+        self.still_inside(enclosed.and(placed).map_err(Into::into))?;
+        self.count_device_work(Stage::Interpolate, asked);
+        self.cloth_engine.make_own_step()?;
+        if let Some(kernel) = self.coupled.as_mut().and_then(Coupled::kernel_mut) {
+            kernel.spread_brought();
+        }
+        self.count_device_work(Stage::SolveCloth, asked);
+        Ok(())
+    }
+
+    /// Accounts for the next of the steps that the device has made.
+    pub(super) fn account_own_step(&mut self) -> Result<(), Failure> {
+        let mut asked = self.device_work();
+        self.add_delivered();
+        let (outcome, at_markers) = self.cloth_engine.take_own_step()?;
+        let next = self.step + 1;
+        let mut began = next;
+        if let Some(own_steps) = &mut self.own_steps {
+            own_steps.made = own_steps.made.filter(|made| *made > next);
+            began = own_steps.began;
+        }
+        let time_s = self.time_at(next);
+        if let Some(kernel) = self.coupled.as_mut().and_then(Coupled::kernel_mut) {
+            let placed = kernel.take_sorted(self.cloth.as_ref(), time_s, &at_markers.order);
+            self.still_inside(placed.map_err(Into::into))?;
+        }
+        if at_markers.strayed.is_some() {
+            let what = format!(
+                "the surface moved farther than {ROOM} cells within {} steps",
+                self.step - began
+            );
+            return Err(self.diverged(what).into());
+        }
+        self.begin_solve();
+        self.end_on_device(Some(outcome), &at_markers)?;
+        self.count_device_work(Stage::FetchNodes, &mut asked);
+        self.accumulate()?;
+        self.count_device_work(Stage::Measure, &mut asked);
+        self.cost.own_steps += 1;
+        self.end_step(true)
+    }
+
+    /// Notes for a stage what was asked of the device since an earlier look.
+    fn count_device_work(&mut self, stage: Stage, asked: &mut DeviceWork) {
+        let now = self.device_work();
+        self.cost.stages[stage as usize].device += now.since(asked);
+        *asked = now;
+    }
+}
