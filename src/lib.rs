@@ -33,7 +33,7 @@
 //! | `coarser_levels` | populations around boxes of finer cells, and of both where boxes end | populations | `fluid/transfer/`, `simulation/levels.rs` |
 //! | `find_links` | node positions | links of the lattice that surfaces cut | `cut_links/search.rs` |
 //! | `read_links` | populations, cut links | what left along them | `fluid/cut_links.rs` |
-//! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
+//! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs`, `immersed/sort_markers.rs` |
 //! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
 //! | `collide_ahead` | populations away from the structure | those of the next step, while the host goes on | `fluid/collide_ahead.rs` |
 //! | *`fetch_links`* | what left along them | host, and what comes back where the air slides | `fluid/cut_links.rs` |

@@ -8,13 +8,12 @@ use std::time::Duration;
 use libtest_mimic::Trial;
 use ripstop::case::{self, Choices};
 use ripstop::gpu::{AdapterChoice, Device, DeviceWork, Padding, Tuning};
-use ripstop::lattice::Storage;
-use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Stage};
+use ripstop::plan::{ClothPlacement, Plan, Stage};
 use ripstop::simulation::Simulation;
 
 use crate::collide_ahead::SMALL_TUNNEL;
 use crate::command_line::{program, root};
-use crate::engines::needs_device;
+use crate::engines::{air_on_a_device, needs_device};
 
 pub fn trials() -> Vec<Trial> {
     vec![
@@ -114,13 +113,7 @@ fn released_on(
     let mut case = case::parse("canopy", case, Path::new("."), &choices).unwrap();
     let coupling = case.scene.coupling.as_mut().unwrap();
     coupling.averaging_steps = averaging_steps;
-    let placement = Placement {
-        air: AirPlacement::Gpu(Storage::F32),
-        cloth,
-        device: Some(device.info().name.clone()),
-        shared_memory: true,
-    };
-    let plan = Plan::new(&case.scene, placement);
+    let plan = Plan::new(&case.scene, air_on_a_device(cloth));
     let stages: Vec<_> = plan.stages.iter().map(|planned| planned.stage).collect();
     let start_steps = plan.start_steps;
     let mut simulation =
@@ -267,13 +260,7 @@ fn standing_walls(friction: &str) {
         overrides: overrides.map(str::to_owned).to_vec(),
     };
     let case = case::parse("sphere", SPHERE, Path::new("."), &choices).unwrap();
-    let placement = Placement {
-        air: AirPlacement::Gpu(Storage::F32),
-        cloth: ClothPlacement::Host,
-        device: Some(device.info().name.clone()),
-        shared_memory: true,
-    };
-    let plan = Plan::new(&case.scene, placement);
+    let plan = Plan::new(&case.scene, air_on_a_device(ClothPlacement::Host));
     let start_steps = plan.start_steps;
     let mut simulation = Simulation::new(case.scene.clone(), plan, Some(device)).unwrap();
     assert!(start_steps > 8);

@@ -10,6 +10,16 @@ use ripstop::simulation::AirEngine;
 
 use crate::timing::timed;
 
+/// Air on a device, which can share memory with fabric there.
+pub fn air_on_a_device(cloth: ClothPlacement) -> Placement {
+    Placement {
+        air: AirPlacement::Gpu(Storage::F32),
+        cloth,
+        device: Some("device".to_owned()),
+        shared_memory: true,
+    }
+}
+
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Engine {

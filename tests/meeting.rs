@@ -8,11 +8,10 @@ use ripstop::case::coupling::Scheme;
 use ripstop::case::{self, Choices, Scene};
 use ripstop::checkpoint;
 use ripstop::gpu::{AdapterChoice, Device, Tuning};
-use ripstop::lattice::Storage;
-use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Stage};
+use ripstop::plan::{ClothPlacement, Placement, Plan, Stage};
 use ripstop::simulation::Simulation;
 
-use crate::engines::{Body, Engine, needs_device, on_every_engine, plain};
+use crate::engines::{Body, Engine, air_on_a_device, needs_device, on_every_engine, plain};
 use crate::tolerances;
 
 const CANOPY: &str = include_str!("../benches/uniform-canopy.toml");
@@ -59,22 +58,13 @@ fn variant(case: &str, name: Option<&str>, overrides: &[&str]) -> case::Case {
     case::parse("canopy", case, Path::new("."), &choices).unwrap()
 }
 
-fn placement(cloth: ClothPlacement) -> Placement {
-    Placement {
-        air: AirPlacement::Gpu(Storage::F32),
-        cloth,
-        device: Some("device".to_owned()),
-        shared_memory: true,
-    }
-}
-
 fn on_one_device(small_cloth_nodes: usize) {
     let tuning = Tuning {
         small_cloth_nodes: Some(small_cloth_nodes),
         ..Tuning::default()
     };
     let device = Device::open_tuned(&AdapterChoice::Any, tuning).unwrap();
-    what_one_feels_the_other_gets(placement(ClothPlacement::Device), Some(device));
+    what_one_feels_the_other_gets(air_on_a_device(ClothPlacement::Device), Some(device));
 }
 
 /// Air and fabric change momentum with each other, and nothing is lost between them, from the first step after the release on: what the markers gave the air is what supports and the
@@ -131,7 +121,7 @@ fn resumed() {
             ],
         );
         let new = || {
-            let plan = Plan::new(&case.scene, placement(ClothPlacement::Device));
+            let plan = Plan::new(&case.scene, air_on_a_device(ClothPlacement::Device));
             Simulation::new(case.scene.clone(), plan, Some(Arc::clone(&device))).unwrap()
         };
         let mut unbroken = new();
@@ -172,7 +162,7 @@ fn resumed() {
 fn plans() {
     let reacts = |case: &str, overrides: &[&str], cloth| {
         let scene = parsed(case, overrides).scene;
-        let plan = Plan::new(&scene, placement(cloth));
+        let plan = Plan::new(&scene, air_on_a_device(cloth));
         let fetched = plan.every(Stage::FetchAirVelocities).is_some();
         let sent = plan.every(Stage::SendMarkerForces).is_some();
         assert_eq!(fetched, sent);
@@ -206,7 +196,7 @@ fn plans() {
         "structure.flat_circular.rings=32",
     ];
     assert!(!reacts(CANOPY, &fine, ClothPlacement::Device));
-    let on_device = |scene: &Scene| Plan::new(scene, placement(ClothPlacement::Device));
+    let on_device = |scene: &Scene| Plan::new(scene, air_on_a_device(ClothPlacement::Device));
     // Air slides along this fabric; at cut links there are no markers; the fabric feels a mean.
     let wing = variant(WING, Some("filling"), &[]).scene;
     assert!(wing.coupling.unwrap().scheme == Scheme::Kernel);

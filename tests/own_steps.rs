@@ -9,11 +9,10 @@ use libtest_mimic::Trial;
 use ripstop::case::{self, Choices};
 use ripstop::checkpoint;
 use ripstop::gpu::{AdapterChoice, Device, Tuning};
-use ripstop::lattice::Storage;
-use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Stage};
+use ripstop::plan::{ClothPlacement, Plan, Stage};
 use ripstop::simulation::Simulation;
 
-use crate::engines::needs_device;
+use crate::engines::{air_on_a_device, needs_device};
 use crate::tolerances;
 
 const CANOPY: &str = include_str!("../benches/uniform-canopy.toml");
@@ -100,13 +99,7 @@ fn new(device: &Arc<Device>, overrides: &[&str]) -> Simulation {
             .collect(),
     };
     let case = case::parse("canopy", CANOPY, Path::new("."), &choices).unwrap();
-    let placement = Placement {
-        air: AirPlacement::Gpu(Storage::F32),
-        cloth: ClothPlacement::Device,
-        device: Some(device.info().name.clone()),
-        shared_memory: true,
-    };
-    let plan = Plan::new(&case.scene, placement);
+    let plan = Plan::new(&case.scene, air_on_a_device(ClothPlacement::Device));
     assert!(plan.reacts_on_device());
     Simulation::new(case.scene, plan, Some(Arc::clone(device))).unwrap()
 }
@@ -148,7 +141,6 @@ fn are_those_with_the_host(overrides: &[&str]) {
         let scale = samples[0].markers.length();
         let same = |what: &str, [a, b]: [DVec3; 2], scale: f64, tolerance: f64| {
             let off = (a - b).length() / scale;
-            println!("{what} {off:e}");
             assert!(off < tolerance, "{what} after {steps} steps: {off:e}");
         };
         let [a, b] = &samples;
@@ -208,8 +200,8 @@ fn resumed() {
     assert!(bits(&mut resumed) == wanted);
 }
 
-/// A series asks for one map, and a step for less than two submissions. Looks for a flow that breaks down, and steps whose stages are timed, end a series and ask for maps
-/// of their own.
+/// A series asks for one map, and a step for less than two submissions. Looks for a flow that breaks down wait for the end of a series, and ask for maps of their own; so
+/// do steps whose stages are timed, which end one.
 fn counts() {
     let device = device(true);
     let mut simulation = released(&device, &COARSE);
@@ -218,7 +210,6 @@ fn counts() {
     let (maps, before) = (of_series(&simulation), device.work());
     go_on(&mut simulation, COUNTED);
     let (maps, work) = (of_series(&simulation) - maps, device.work().since(&before));
-    println!("{COUNTED} steps: {maps} maps of series, {work:?}");
     assert!(32 * maps <= COUNTED, "{maps} maps of series");
     assert!(10 * work.maps <= COUNTED, "{work:?}");
     assert!(work.submits < 2 * COUNTED, "{work:?}");

@@ -55,6 +55,11 @@ impl Staging {
         Ok(Self { buffer, bytes })
     }
 
+    /// True if there is room for so many bytes.
+    pub(super) const fn holds(&self, bytes: u64) -> bool {
+        self.bytes >= bytes
+    }
+
     /// Records a copy of `bytes` from `source` at byte `from` to byte `to` here.
     pub(super) fn copy(
         &self,

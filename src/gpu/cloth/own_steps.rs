@@ -29,14 +29,13 @@ impl Cloth {
         (decisions.small.is_some()).then(|| own_steps.nodes(markers))
     }
 
-    /// Steps that can wait on the device together.
+    /// Steps that can wait on the device together; 0 where it makes none by itself.
     #[must_use]
     pub fn most_own_steps(&self) -> u64 {
-        let bytes = self
-            .workspace
-            .as_ref()
-            .map_or(1, |w| w.decisions.own_step_bytes());
-        MOST_BYTES / bytes.max(1)
+        let (Some(_), Some(workspace)) = (self.nodes_on_device(), &self.workspace) else {
+            return 0;
+        };
+        MOST_BYTES / workspace.decisions.own_step_bytes().max(1)
     }
 
     /// Has the device make at most so many steps by itself from a `state` on, in each of which acts what `input` says. [`Cloth::make_own_step`] records each of them.
@@ -60,18 +59,26 @@ impl Cloth {
         let own_steps = self.in_air.as_ref().and_then(|air| air.own_steps.as_ref());
         let own_steps = own_steps.ok_or_else(not_begun)?;
         own_steps.upload(&self.device, state, &base, parameters);
+        let last = self.series.take();
         let space = self.space(0.0, settings.initial_hessian)?;
         let (stage, minimiser) = space.start_of(&options);
-        let device = &self.device;
         let step_bytes = self.workspace()?.decisions.own_step_bytes();
-        let start = device.storage("start of a solve", STAGE_BYTES + MINIMISER_BYTES)?;
+        let bytes = step_bytes * most as u64;
+        let device = &self.device;
+        let (start, staging) = match last {
+            Some(Series { start, staging, .. }) if staging.holds(bytes) => (start, staging),
+            _ => (
+                device.storage("start of a solve", STAGE_BYTES + MINIMISER_BYTES)?,
+                Staging::new(device, bytes)?,
+            ),
+        };
         device.write(&start, 0, &[stage]);
         let words: &[u32] = bytemuck::cast_slice(std::slice::from_ref(&minimiser));
         device.write(&start, STAGE_BYTES as usize / 4, words);
         let series = Series {
             options,
             start,
-            staging: Staging::new(device, step_bytes * most as u64)?,
+            staging,
             step_bytes,
             steps: 0,
             submitted: None,
@@ -96,9 +103,9 @@ impl Cloth {
         let markers = device.workgroups(in_air.marker_count() as u64);
         let buffer = |wanted: &str| self.buffer(wanted);
         let node_bytes = 12 * decisions.nodes as u64;
-        let mut commands = device.record("fabric step");
+        let mut commands = device.record("own step");
         {
-            let mut pass = commands.pass("fabric step");
+            let mut pass = commands.pass("predict");
             own_steps.predict.dispatch(&mut pass, nodes);
             own_steps.marker_velocities.dispatch(&mut pass, markers);
         }
@@ -122,12 +129,15 @@ impl Cloth {
             commands.raw.copy_buffer_to_buffer(from, at, to, 0, bytes);
         }
         {
-            let mut pass = commands.pass("fabric step");
+            let mut pass = commands.pass("cloth minimise");
             in_air.react(device, &mut pass);
             workspace.blocks.dispatch(&mut pass);
             for _ in 0..small.dispatches(series.options.evaluation_limit) {
                 small.bound.dispatch(&mut pass, [1, 1]);
             }
+        }
+        {
+            let mut pass = commands.pass("react_back");
             own_steps.end_step.dispatch(&mut pass, nodes);
             in_air.record_back(device, &mut pass);
         }
