@@ -185,6 +185,11 @@ fn check_three_scenes() {
     let confluence = "structure.flat_circular.confluence_m=[0.6, 1.0, 1.0]";
     let text = ripstop(&["check", CANOPY, "--set", narrow, "--set", confluence]).printed;
     assert!(text.contains("blocks 20 % of the section"), "{text}");
+    // Millimetres and mm2 for what the keys name.
+    for slip in ["fabric.thickness_m=0.08", "lines.area_m2=4.42"] {
+        let text = ripstop(&["check", CANOPY, "--set", slip]).printed;
+        assert!(text.contains("kg per m2 of fabric"), "{slip}: {text}");
+    }
     let alike = "air.refinement={around=\"nothing\"}";
     let with = |precision, changes: &[&str]| {
         let choices = Choices {

@@ -351,7 +351,16 @@ impl Body for Sheet {
     /// A sheet along the wind that starts to flutter: what the air gets is what the sheet felt, with permeability as without, so the
     /// momentum box and the markers agree. A run that stops halfway goes on with the same bits.
     fn run(self, engine: Engine) {
-        let case = case(SHEET, &[]);
+        let links = ["coupling.scheme=links", "coupling.over_relaxation=absent"];
+        for changes in [&[][..], &links] {
+            Self::goes_on(engine, changes);
+        }
+    }
+}
+
+impl Sheet {
+    fn goes_on(engine: Engine, changes: &[&str]) {
+        let case = case(SHEET, changes);
         let plan = || Plan::new(&case.scene, engine.plan_placement());
         let mut straight = Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
         let start = straight.plan().start_steps;
@@ -360,6 +369,8 @@ impl Body for Sheet {
         }
         let fresh = Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
         let mut resumed = taken_up(&mut straight, fresh);
+        let through = [&straight, &resumed].map(Simulation::through_velocities_m_s);
+        assert_eq!(through[0], through[1]);
         for _ in 0..20 {
             straight.advance().unwrap();
             resumed.advance().unwrap();

@@ -159,7 +159,7 @@ fn no_old_checkpoint() {
     assert_eq!(resumed.code, 2, "{}", resumed.errors);
     // Killed before the new run wrote its case, or after.
     assert!(
-        resumed.errors.contains("without --resume"),
+        resumed.errors.contains("begin anew"),
         "{}",
         resumed.errors
     );

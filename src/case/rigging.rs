@@ -7,7 +7,7 @@ use super::file::{self, CanopyCommon, File};
 use super::problem::Problem;
 use super::usual;
 use super::usual_box;
-use super::values::{absent, positive, vector, within};
+use super::values::{LINE_DIAMETERS_M, absent, positive, vector, within};
 use crate::geometry::parachute::designs::Shape;
 use crate::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
 use crate::geometry::parachute::{self, BuildFault, Rigging, Risers};
@@ -317,6 +317,11 @@ fn check_line_drag(file: &File, lines: &file::Lines) -> Result<Option<LineDrag>,
     }
     Ok(Some(LineDrag {
         coefficient: within("lines.drag_coefficient", coefficient, 0.01, 5.0)?,
-        diameter_m: positive("lines.diameter_m", diameter_m)?,
+        diameter_m: within(
+            "lines.diameter_m",
+            diameter_m,
+            LINE_DIAMETERS_M[0],
+            LINE_DIAMETERS_M[1],
+        )?,
     }))
 }

@@ -62,16 +62,26 @@ fn wrong<T>(problem: Problem, allowed: T) -> Result<T, Problem> {
     })
 }
 
+/// Diameters that lines may have [m].
+pub(super) const LINE_DIAMETERS_M: [f64; 2] = [1e-5, 0.05];
+
 /// Refuses values that are not positive and finite, or beyond anything physical.
 pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
     if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&value) {
         Ok(value)
     } else {
+        let help = if value > PLAUSIBLE {
+            "give a number of at most 1e15, in the unit that the key names"
+        } else if value > 0.0 {
+            "give a number of at least 1e-15, in the unit that the key names"
+        } else {
+            "give a number greater than zero, in the unit that the key names"
+        };
         let problem = Problem::new(
             key,
             format!("{key} = {value:e} must be positive (and between 1e-15 and 1e15)")
                 .replace("e0 must", " must"),
-            "give a number greater than zero, in the unit that the key names",
+            help,
         );
         wrong(problem, 1.0)
     }

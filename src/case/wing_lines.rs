@@ -5,12 +5,9 @@ use std::collections::BTreeMap;
 use super::file;
 use super::problem::Problem;
 use super::usual;
-use super::values::{absent, positive, wing_key as key, within};
+use super::values::{LINE_DIAMETERS_M, absent, positive, wing_key as key, within};
 use crate::geometry::wing::plan::{Diagonals, JoinPlace, LEAST_LINE_M, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
-
-/// Diameters that lines may have [m].
-const DIAMETERS_M: [f64; 2] = [1e-5, 0.05];
 
 /// Cables by name.
 pub(super) type Materials = BTreeMap<String, Cable>;
@@ -22,8 +19,8 @@ pub(super) fn check_materials(table: &file::Wing) -> Result<Materials, Problem> 
         let diameter_m = within(
             &format!("{key}.diameter_m"),
             written.diameter_m,
-            DIAMETERS_M[0],
-            DIAMETERS_M[1],
+            LINE_DIAMETERS_M[0],
+            LINE_DIAMETERS_M[1],
         )?;
         let mass = positive(
             &format!("{key}.mass_per_length_kg_m"),

@@ -38,7 +38,9 @@ pub const NAMES: [&str; 4] = [NEXT_NAME, FILE_NAME, PREVIOUS_NAME, FINAL_NAME];
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// There is none, or it cannot be read.
-    #[error("cannot read the checkpoint {path}: {cause}; start without --resume")]
+    #[error(
+        "cannot read the checkpoint {path}: {cause}; begin anew, with --overwrite in place of --resume"
+    )]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -46,7 +48,9 @@ pub enum CheckpointError {
         cause: io::Error,
     },
     /// It is damaged, cut short, or no checkpoint.
-    #[error("the checkpoint {path} cannot be used: {what}; start without --resume")]
+    #[error(
+        "the checkpoint {path} cannot be used: {what}; begin anew, with --overwrite in place of --resume"
+    )]
     Damaged {
         /// The file.
         path: PathBuf,

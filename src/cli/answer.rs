@@ -131,6 +131,11 @@ fn trust(summary: &Summary, names: &[&str]) -> String {
     } else {
         format!("trust: NOT ALL WAS MET: {}; ", missed.join("; "))
     };
+    let first = of_headline().find(|(name, _)| names.first() == Some(name));
+    if let Some((name, quantity)) = first.filter(|(_, quantity)| quantity.value.is_none()) {
+        let why = quantity.note.as_deref().unwrap_or("no value");
+        text += &format!("{name} was not measured ({why}); ");
+    }
     text += &if unresolved.is_empty() && summary.validity.is_empty() {
         "nothing in the set-up of such a case is judged".to_owned()
     } else if unresolved.is_empty() {

@@ -56,39 +56,49 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Lays them out for sides with these keys and weights; into `order` goes which of them is the next, block by block.
-    pub fn lay(&mut self, sides: impl Iterator<Item = (Key, f64)>, order: &mut Vec<u32>) {
+    /// Lays them out for sides with these keys and weights; into `order` goes which of them is the next, block by block. Returns the place of each side in that order, and its block.
+    pub fn lay(
+        &mut self,
+        sides: impl Iterator<Item = (Key, f64)>,
+        order: &mut Vec<u32>,
+    ) -> Vec<[u32; 2]> {
         self.numbers.clear();
         self.spaces.clear();
         self.weights.clear();
         self.starts.clear();
         self.starts.push(0);
-        let mut last = None;
-        let blocks: Vec<u32> = sides
+        // Links that follow each other are mostly in the same blocks, one on either side.
+        let mut last: [Option<(Key, u32)>; 2] = [None; 2];
+        let mut placed: Vec<[u32; 2]> = sides
             .map(|(key, weight)| {
-                let block = match last {
-                    Some((last, block)) if last == key => block,
-                    _ => *self.numbers.entry(key).or_insert_with(|| {
+                let held = last.into_iter().flatten().find(|(held, _)| *held == key);
+                let block = if let Some((_, block)) = held {
+                    block
+                } else {
+                    *self.numbers.entry(key).or_insert_with(|| {
                         self.spaces.push(key.space);
                         self.weights.push(0.0);
                         self.starts.push(0);
                         self.spaces.len() as u32 - 1
-                    }),
+                    })
                 };
-                last = Some((key, block));
+                if held.is_none() {
+                    last = [last[1], Some((key, block))];
+                }
                 self.weights[block as usize] += weight;
                 self.starts[block as usize + 1] += 1;
-                block
+                [0, block]
             })
             .collect();
         for block in 0..self.count() {
             self.starts[block + 1] += self.starts[block];
         }
         order.clear();
-        order.resize(blocks.len(), 0);
+        order.resize(placed.len(), 0);
         let mut next = self.starts.clone();
-        for (side, block) in (0..).zip(blocks) {
-            let next = &mut next[block as usize];
+        for (side, [place, block]) in (0..).zip(&mut placed) {
+            let next = &mut next[*block as usize];
+            *place = *next;
             order[*next as usize] = side;
             *next += 1;
         }
@@ -99,6 +109,7 @@ impl Blocks {
             self.weights_of_spaces[*space as usize] += weight;
         }
         self.lay_tasks();
+        placed
     }
 
     fn lay_tasks(&mut self) {
@@ -194,8 +205,9 @@ mod tests {
         ];
         let weights = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
         let (mut blocks, mut order) = (Blocks::default(), Vec::new());
-        blocks.lay(keys.into_iter().zip(weights), &mut order);
+        let placed = blocks.lay(keys.into_iter().zip(weights), &mut order);
         assert_eq!(order, [0, 2, 5, 1, 3, 4]);
+        assert_eq!(placed, [[0, 0], [3, 1], [1, 0], [4, 2], [5, 3], [2, 0]]);
         assert_eq!(blocks.count(), 4);
         assert_eq!(blocks.sides(0), 0..3);
         let losses = [0.7, -0.4, 0.1, 0.1].map(|along| LossOfBlock {

@@ -37,6 +37,23 @@ impl CellBox {
         Self::around([self, other].into_iter().flat_map(Self::corners))
     }
 
+    /// This box and the cells up to `by` from it that the air has; the whole axis where it passes a side that repeats. Empty if this is.
+    pub fn grown(self, by: usize, cells: [usize; 3], repeats: [bool; 3]) -> Self {
+        let Some([first, last]) = self.bounds() else {
+            return self;
+        };
+        let (by, mut corners) = (by as i32, [first, last]);
+        for a in 0..3 {
+            let end = cells[a] as i32 - 1;
+            let bounds = [first[a] - by, last[a] + by];
+            let passes = bounds[0] < 0 || bounds[1] > end;
+            let all = passes && repeats[a];
+            corners[0][a] = if all { 0 } else { bounds[0].max(0) };
+            corners[1][a] = if all { end } else { bounds[1].min(end) };
+        }
+        Self::around(corners.into_iter())
+    }
+
     fn corners(self) -> [[i32; 3]; 2] {
         let last = std::array::from_fn(|a| self.first[a] + self.size[a] as i32 - 1);
         [self.first, last]
@@ -60,14 +77,11 @@ impl CellBox {
     /// Place of a cell, x fastest; `None` outside.
     #[inline]
     pub fn place(&self, cell: [i32; 3]) -> Option<usize> {
-        let mut from = [0; 3];
-        for a in 0..3 {
-            from[a] = usize::try_from(cell[a].wrapping_sub(self.first[a])).ok()?;
-            if from[a] >= self.size[a] {
-                return None;
-            }
-        }
-        Some(from[0] + self.size[0] * (from[1] + self.size[1] * from[2]))
+        // Below the first it wraps round to far beyond the last.
+        let from: [usize; 3] =
+            std::array::from_fn(|a| cell[a].wrapping_sub(self.first[a]) as u32 as usize);
+        let inside = from[0] < self.size[0] && from[1] < self.size[1] && from[2] < self.size[2];
+        inside.then(|| from[0] + self.size[0] * (from[1] + self.size[1] * from[2]))
     }
 
     /// The cell of a row, rows counted along y, then z.
@@ -75,5 +89,23 @@ impl CellBox {
         let rows = self.size[1].max(1);
         let from = [x, row % rows, row / rows];
         std::array::from_fn(|a| self.first[a] + from[a] as i32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the middle, at faces, across one that repeats, and of nothing.
+    #[test]
+    fn grown_boxes_hold_the_cells_around() {
+        let grown = |cells: &[[i32; 3]], repeats| {
+            let own = CellBox::around(cells.iter().copied());
+            own.grown(2, [9, 7, 5], repeats).bounds()
+        };
+        let two = [[4, 1, 3], [5, 1, 3]];
+        assert_eq!(grown(&two, [false; 3]), Some([[2, 0, 1], [7, 3, 4]]));
+        assert_eq!(grown(&two, [true; 3]), Some([[2, 0, 0], [7, 6, 4]]));
+        assert_eq!(grown(&[], [true; 3]), None);
     }
 }

@@ -27,10 +27,10 @@ impl Energy {
     /// Where what is `back` comes for what went `out`, and of the image `came` back and `went`; all in the frame of the wall, along a direction of six weights.
     #[must_use]
     pub fn new(six_weights: f64, (out, back): (f64, f64), (went, came): (f64, f64)) -> Self {
-        let more = back - out;
+        let (more, per_weights) = (back - out, six_weights.recip());
         Self {
-            free: (came * came - went * went - 2.0 * out * more) / six_weights,
-            square: more * more / six_weights,
+            free: (came * came - went * went - 2.0 * out * more) * per_weights,
+            square: more * more * per_weights,
         }
     }
 

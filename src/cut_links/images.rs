@@ -8,16 +8,18 @@ use rayon::prelude::*;
 use super::blocks::{Blocks, Key};
 use super::boundary_layer::{Face, Seen};
 use super::cell_numbers::CellNumbers;
+use super::cell_states::CellState;
 use super::modelled::{Modelled, Off};
 use super::search::{CutLink, CutLinks, Domain};
-use super::slide::{self, Air, CELLS_OF_AN_IMAGE, Image, Leaving, Slides, away};
-use super::surroundings::{Around, CellsOff, Surroundings};
+use super::slide::{self, Image, Slides, away};
+use super::surroundings::{Around, CELLS_OFF, Surroundings, straightest};
+use crate::lattice::Real;
 
 /// Links, cells and images that one task works on.
 const AT_ONCE: usize = 512;
 
 /// Images of all cut links at which the air slides.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct Images {
     /// Block by block, within one in the order of links.
     images: Vec<Image>,
@@ -36,8 +38,6 @@ pub struct Images {
     ends: [usize; 2],
     /// Numbers of the first two parts, and of the third.
     numbers: [CellNumbers; 2],
-    /// Of the cells, as it leaves them.
-    air: Vec<Air>,
     /// By block, which of the images as they are found is the next.
     order: Vec<u32>,
 }
@@ -62,15 +62,10 @@ impl OfSide {
     }
 }
 
-/// An image as it is found.
+/// An image as it is found. Its cells are named by their places among those that may have numbers.
 struct Found {
     image: Image,
-    /// The side's own cell, and those that it is taken from.
-    own: [i32; 3],
-    cells: [[i32; 3]; CELLS_OF_AN_IMAGE],
     key: Key,
-    /// The face for a model of the boundary layer, and the cells off the wall.
-    off: Option<(Face, CellsOff)>,
 }
 
 /// Cells of the images of which is asked what left them.
@@ -92,104 +87,136 @@ impl Images {
         domain: &Domain,
         slides: impl Fn(&CutLink, usize) -> Option<Slides> + Sync,
     ) {
+        // Cells of images are next to the links'.
+        const { assert!(CELLS_OFF[0] >= 1) };
         let air = Surroundings { links, domain };
-        let look = |(task, some): (usize, &[CutLink])| -> Vec<Found> {
-            let sides = (some.iter().enumerate())
-                .flat_map(|(number, link)| super::SIDES.map(|side| (number, link, side)));
-            let found = sides.filter_map(|(number, link, side)| {
-                let slides = slides(link, side)?;
-                let away = away(link, side, slides.normal);
-                let own = Around::new(&air, link.cells[side]);
-                let off = air.off((link, side), &own, (away, slides.modelled))?;
-                let (cells, closer) = air.cells_of_image((link, side), &own, away);
-                let number = (task * AT_ONCE + number) as u32;
-                Some(Found {
-                    image: Image::new(
-                        (number, link, side),
-                        away,
-                        cells.map(|(share, _)| share),
-                        closer,
-                    ),
-                    own: own.cell,
-                    cells: cells.map(|(_, cell)| cell),
-                    key: Key::new(slides.space, own.cell, own.cut.count()),
-                    off: (slides.modelled).then(|| (slide::face(link, side, slides.normal), off)),
-                })
-            });
-            found.collect()
+        for (numbers, off) in self.numbers.iter_mut().zip(CELLS_OFF) {
+            numbers.lay(links.cells().grown(off, domain.cells, domain.repeats));
+        }
+        let [numbers, further] = &self.numbers;
+        // What is modelled names its cells by their places, too.
+        let look = |(task, some): (usize, &[CutLink])| -> (Vec<Found>, Vec<Off>) {
+            let (mut found, mut modelled) = (Vec::with_capacity(2 * some.len()), Vec::new());
+            // Links that follow each other mostly meet the same triangle, on either of its faces.
+            let mut last = [(DVec3::ZERO, 0); 2];
+            for (number, link) in some.iter().enumerate() {
+                for side in super::SIDES {
+                    let Some(slides) = slides(link, side) else {
+                        continue;
+                    };
+                    let away = away(link, side, slides.normal);
+                    let face = slide::face(link, side, slides.normal);
+                    let (known, ahead) = &mut last[face % 2];
+                    if *known != away {
+                        (*known, *ahead) = (away, straightest(-away));
+                    }
+                    let own = Around::new(&air, link.cells[side]);
+                    let off = air.off((link, side), &own, (away, *ahead, slides.modelled));
+                    let Some([(near, height), (far, far_height)]) = off else {
+                        continue;
+                    };
+                    let (cells, closer) = air.cells_of_image((link, side), &own, away);
+                    let number = (task * AT_ONCE + number) as u32;
+                    let shares = cells.map(|(share, _)| share);
+                    let mut image = Image::new((number, link, side), away, shares, closer);
+                    image.own = numbers.place(own.cell);
+                    image.cells = cells.map(|(_, cell)| numbers.place(cell));
+                    let key = Key::new(slides.space, own.cell, own.cut.count());
+                    found.push(Found { image, key });
+                    if slides.modelled {
+                        modelled.push(Off {
+                            face: face as u32,
+                            image: 0,
+                            link: number,
+                            side: side as u8,
+                            cells: [numbers.place(near), further.place(far)],
+                            heights: [height, far_height],
+                        });
+                    }
+                }
+            }
+            (found, modelled)
         };
-        let found: Vec<Vec<Found>> = (links.links().par_chunks(AT_ONCE).enumerate())
+        let (found, modelled): (Vec<_>, Vec<_>) = (links.links().par_chunks(AT_ONCE).enumerate())
             .map(look)
-            .collect();
-        let found: Vec<&Found> = found.iter().flatten().collect();
-        self.number_cells(&found);
+            .unzip();
+        let parts = found;
+        let found: Vec<&Found> = parts.iter().flatten().collect();
+        let mut modelled: Vec<Off> = modelled.into_iter().flatten().collect();
+        self.number_cells(&found, &modelled);
         let keys = found.iter().map(|found| (found.key, found.image.weight()));
-        self.blocks.lay(keys, &mut self.order);
-        let number = |numbers: &CellNumbers, cell| numbers.get(cell).unwrap_or_default();
+        let placed = self.blocks.lay(keys, &mut self.order);
         let [numbers, further] = &self.numbers;
         (self.order.par_iter())
             .with_min_len(AT_ONCE)
             .map(|of| {
-                let found = found[*of as usize];
-                let mut image = found.image;
-                image.own = number(numbers, found.own);
-                image.cells = found.cells.map(|cell| number(numbers, cell));
+                let mut image = found[*of as usize].image;
+                image.own = numbers.at(image.own);
+                image.cells = image.cells.map(|place| numbers.at(place));
                 image
             })
             .collect_into_vec(&mut self.images);
-        let modelled: Vec<Off> = (self.order.par_iter().enumerate())
+        (self.images.par_iter())
             .with_min_len(AT_ONCE)
-            .filter_map(|(image, of)| {
-                let found = found[*of as usize];
-                let (face, [(close, height), (far, far_height)]) = found.off?;
-                Some(Off {
-                    face: face as u32,
-                    image: image as u32,
-                    link: found.image.link,
-                    side: found.image.side,
-                    cells: [number(numbers, close), number(further, far)],
-                    heights: [height, far_height],
-                })
-            })
-            .collect();
-        self.modelled.lay(&modelled);
-        let place = |(link, side): (usize, usize)| (2 * link + side) as u32;
-        self.sides.clear();
-        (self.sides).extend(self.images.iter().map(|image| place(image.place())));
+            .map(|image| 2 * image.link + u32::from(image.side))
+            .collect_into_vec(&mut self.sides);
         self.of_links.clear();
         (self.of_links).resize(links.links().len(), [OfSide::NONE; 2]);
-        self.stick.clear();
-        self.stick.resize(links.links().len(), [true; 2]);
-        for block in 0..self.blocks.count() {
-            for number in self.blocks.sides(block) {
-                let (link, side) = self.images[number].place();
-                self.of_links[link][side] = OfSide {
-                    image: number as u32,
-                    block: block as u32,
+        let mut rest = &placed[..];
+        let placed_parts: Vec<&[[u32; 2]]> = (parts.iter())
+            .filter_map(|part| rest.split_off(..part.len()))
+            .collect();
+        (self
+            .of_links
+            .par_chunks_mut(AT_ONCE)
+            .zip(&parts)
+            .zip(placed_parts))
+        .enumerate()
+        .for_each(|(task, ((of_links, found), placed))| {
+            for (Found { image, .. }, [place, block]) in found.iter().zip(placed) {
+                let (link, side) = image.place();
+                of_links[link - task * AT_ONCE][side] = OfSide {
+                    image: *place,
+                    block: *block,
                 };
-                self.stick[link][side] = false;
             }
-        }
+        });
+        (self.of_links.par_iter())
+            .with_min_len(AT_ONCE)
+            .map(|sides| sides.map(|side| side.get().is_none()))
+            .collect_into_vec(&mut self.stick);
+        let of_links = &self.of_links;
+        (modelled.par_iter_mut())
+            .with_min_len(AT_ONCE)
+            .for_each(|off| {
+                off.image = of_links[off.link as usize][usize::from(off.side)].image;
+                let [near, far] = off.cells;
+                off.cells = [numbers.at(near), further.at(far)];
+            });
+        self.modelled.lay(&modelled);
     }
 
-    fn number_cells(&mut self, found: &[&Found]) {
-        let of_images = || {
-            let cells = found.iter().flat_map(|found| found.cells);
-            cells.chain(found.iter().map(|found| found.own))
-        };
+    fn number_cells(&mut self, found: &[&Found], modelled: &[Off]) {
+        let of_images =
+            (found.par_iter())
+                .with_min_len(AT_ONCE)
+                .flat_map_iter(|Found { image, .. }| {
+                    let [a, b, c] = image.cells;
+                    [image.own, a, b, c]
+                });
         let off = |which: usize| {
-            let off = found.iter().filter_map(|found| found.off);
-            off.map(move |(_, cells)| cells[which].0)
+            let modelled = modelled.par_iter().with_min_len(AT_ONCE);
+            modelled.map(move |off| off.cells[which])
         };
         self.cells.clear();
         let [numbers, further] = &mut self.numbers;
-        numbers.lay(of_images().chain(off(0)));
-        numbers.number(of_images(), &mut self.cells);
-        self.ends[0] = self.cells.len();
-        numbers.number(off(0), &mut self.cells);
-        self.ends[1] = self.cells.len();
-        further.lay(off(1));
-        further.number(off(1), &mut self.cells);
+        numbers.number(of_images, &mut self.cells);
+        self.ends = [self.cells.len(); 2];
+        if !modelled.is_empty() {
+            numbers.number(off(0), &mut self.cells);
+            self.ends[1] = self.cells.len();
+            further.number(off(1), &mut self.cells);
+        }
     }
 
     /// Cells of which is asked what left them.
@@ -239,27 +266,16 @@ impl Images {
         &self.stick
     }
 
-    /// Takes what is `leaving` the cells.
-    pub fn take(&mut self, leaving: &[Leaving]) {
-        (leaving.par_iter())
-            .with_min_len(AT_ONCE)
-            .map(Air::new)
-            .collect_into_vec(&mut self.air);
-    }
-
-    /// The air of the cells, as it was taken.
-    pub(super) fn air(&self) -> &[Air] {
-        &self.air
-    }
-
-    /// What a model of the boundary layer takes of the air beside a face, from what was taken of all cells. `wall` tells the wall's velocity at a side of a link.
-    pub fn seen(&self, face: Face, wall: impl Fn(usize, usize) -> DVec3) -> Option<Seen> {
+    /// What a model of the boundary layer takes of the air beside a face, by the states of all `cells`. `wall` tells the wall's velocity at a side of a link.
+    pub fn seen<R: Real>(
+        &self,
+        face: Face,
+        cells: &[CellState<R>],
+        wall: impl Fn(usize, usize) -> DVec3,
+    ) -> Option<Seen> {
         self.modelled.seen(face, |off| {
             let wall = wall(off.link as usize, usize::from(off.side));
-            off.cells.map(|cell| {
-                let air = &self.air[cell as usize];
-                air.momentum / air.density - wall
-            })
+            (off.cells).map(|cell| cells[cell as usize].velocity() - wall)
         })
     }
 }

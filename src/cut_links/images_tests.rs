@@ -4,7 +4,10 @@ use super::*;
 use crate::cut_links::Return;
 use crate::cut_links::energy::Energy;
 use crate::cut_links::slide::{Loss, vector};
-use crate::lattice::{WEIGHTS, opposite};
+use crate::lattice::{DIRECTION_COUNT, WEIGHTS, opposite};
+
+/// Shifted populations by the direction in which they leave a cell.
+type Leaving = [f64; DIRECTION_COUNT];
 
 /// A box whose sides do not repeat.
 const fn a_box(cells: [usize; 3]) -> Domain {
@@ -100,19 +103,18 @@ fn along_a_plane(corners: &[DVec3; 4], normal: DVec3, domain: &Domain) -> (CutLi
 /// What comes back, and what is lost, where the air of every cell is known and the wall moves.
 fn answered(
     links: &CutLinks,
-    mut images: Images,
+    images: &Images,
     leaving: impl Fn([i32; 3]) -> Leaving,
     wall: DVec3,
 ) -> (Vec<[Return; 2]>, Vec<[Loss; 2]>) {
-    let all: Vec<Leaving> = (images.cells(Asked::Images).iter())
-        .map(|cell| leaving(*cell))
+    let all: Vec<CellState<f64>> = (images.cells(Asked::Images).iter())
+        .map(|cell| CellState::new(leaving(*cell)))
         .collect();
-    images.take(&all);
     let mut returns = vec![[Return::default(); 2]; links.links().len()];
     let mut losses = vec![[Loss::default(); 2]; links.links().len()];
     for image in images.all() {
         let (number, side) = image.place();
-        (returns[number][side], losses[number][side]) = image.returned((&all, images.air()), wall);
+        (returns[number][side], losses[number][side]) = image.returned(&all, wall);
     }
     (returns, losses)
 }
@@ -145,7 +147,7 @@ fn walls_give_as_much_energy_as_planes() {
             off.dot(normal).abs()
         };
         let energy_of = |wall: DVec3, leaving: &dyn Fn([i32; 3]) -> Leaving| {
-            let (returns, losses) = answered(&links, images.clone(), leaving, wall);
+            let (returns, losses) = answered(&links, &images, leaving, wall);
             let mut energy = Energy::default();
             for (link, side) in images.sides() {
                 energy += losses[link][side].energy;
@@ -227,7 +229,7 @@ fn air_that_speeds_up_does_not_pass() {
                 let velocity = (along * at.dot(along) - normal * off) * growth;
                 std::array::from_fn(|i| 3.0 * WEIGHTS[i] * vector(i).dot(velocity))
             };
-            let (_, losses) = answered(&links, images.clone(), leaving, DVec3::ZERO);
+            let (_, losses) = answered(&links, &images, leaving, DVec3::ZERO);
             for (link, side) in images.sides() {
                 let cut = &links.links()[link];
                 let at = DVec3::from_array(cut.cells[side].map(f64::from))

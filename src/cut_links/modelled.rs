@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::boundary_layer::{Face, Seen};
 
-/// What an image knows for a model of the boundary layer.
+/// What an image knows for a model of the boundary layer. While it is found, cells are named by their places in boxes, and the image has no number.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Off {
     /// The face that gives the stress.

@@ -6,10 +6,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::blocks::LossOfBlock;
+use super::cell_states::CellState;
 use super::energy::Energy;
 use super::images::Images;
-use super::slide::Leaving;
 use super::{Return, SIDES};
+use crate::lattice::Real;
 
 /// Links that one task works on.
 const LINKS_AT_ONCE: usize = 512;
@@ -39,15 +40,15 @@ struct Reflected {
 }
 
 impl Reflections {
-    /// Puts what comes back where the air slides into `returns`, by what was taken and is `leaving` the cells of the images. `wall` tells the wall's velocity at a side of a link.
-    pub fn put(
+    /// Puts what comes back where the air slides into `returns`, by the states of the `cells` of the images. `wall` tells the wall's velocity at a side of a link.
+    pub fn put<R: Real>(
         &mut self,
         images: &Images,
-        leaving: &[Leaving],
+        cells: &[CellState<R>],
         wall: impl Fn(usize, usize) -> DVec3 + Sync,
         returns: &mut [[Return; 2]],
     ) {
-        self.reflect(images, leaving, wall);
+        self.reflect(images, cells, wall);
         self.carry(images, returns);
     }
 
@@ -56,13 +57,13 @@ impl Reflections {
     /// Populations of images are copies: where the air at the image has more energy than at the wall, energy comes from nowhere. Round a nose that was a thrust
     /// (docs/results/2026-11-28-energy-of-sliding-walls.md). Where it has less, walls brake
     /// (docs/results/2026-11-28-walls-that-take-no-energy.md).
-    fn reflect(
+    fn reflect<R: Real>(
         &mut self,
         images: &Images,
-        leaving: &[Leaving],
+        cells: &[CellState<R>],
         wall: impl Fn(usize, usize) -> DVec3 + Sync,
     ) {
-        let (blocks, all, air) = (images.blocks(), images.all(), (leaving, images.air()));
+        let (blocks, all) = (images.blocks(), images.all());
         self.reflected.resize(all.len(), Reflected::default());
         self.losses.resize(blocks.count(), LossOfBlock::default());
         let of_block = |sides: Range<usize>, reflected: &mut [Reflected]| {
@@ -70,7 +71,7 @@ impl Reflections {
             let (mut along, mut lost) = (0.0, 0.0);
             for (image, reflected) in all[sides].iter().zip(&mut *reflected) {
                 let (link, side) = image.place();
-                let (back, loss) = image.returned(air, wall(link, side));
+                let (back, loss) = image.returned(cells, wall(link, side));
                 energy += loss.energy;
                 along += loss.along;
                 lost += loss.all;
@@ -200,10 +201,12 @@ mod tests {
         });
         let count = links.links().len();
         assert!(images.blocks().task_count() > 3);
-        let leaving: Vec<Leaving> = (0..images.cells(Asked::Images).len())
-            .map(|cell| std::array::from_fn(|i| WEIGHTS[i] * (0.02 + 0.01 * noise(19 * cell + i))))
+        let leaving = |cell: usize| {
+            std::array::from_fn(|i| WEIGHTS[i] * (0.02 + 0.01 * noise(19 * cell + i)))
+        };
+        let cells: Vec<CellState<f64>> = (0..images.cells(Asked::Images).len())
+            .map(|cell| CellState::new(leaving(cell)))
             .collect();
-        images.take(&leaving);
         let before = vec![[Return::default(); 2]; count];
         let lost: Vec<[f64; 2]> = (0..count)
             .map(|link| SIDES.map(|side| 1e-3 * (0.1 + noise(2 * link + side))))
@@ -216,7 +219,7 @@ mod tests {
             pool.build().unwrap().install(|| {
                 let (mut returns, mut rest) = (before.clone(), lost.clone());
                 let mut reflections = Reflections::default();
-                reflections.put(&images, &leaving, wall, &mut returns);
+                reflections.put(&images, &cells, wall, &mut returns);
                 reflections.keep_mass(&images, &mut rest);
                 (returns, rest, reflections.returned())
             })
@@ -240,7 +243,7 @@ mod tests {
         let mut of_spaces = [[0.0; 2]; 2];
         let answer = |image: &Image| {
             let (number, side) = image.place();
-            image.returned((&leaving, images.air()), wall(number, side))
+            image.returned(&cells, wall(number, side))
         };
         let share_of = |block: &[&Image]| {
             let mut energy = Energy::default();

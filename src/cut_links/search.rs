@@ -109,11 +109,13 @@ pub struct CutLinks {
     links: Vec<CutLink>,
     /// Number of the search that found them, no other's in this process; 0 before.
     search: u64,
-    /// Of the cuts.
+    /// The cuts in the order of links.
     order: Vec<Order>,
+    /// The same as they were found.
+    unsorted: Vec<Order>,
     /// Where those of a link begin among them; one more at the end.
     starts: Vec<u32>,
-    /// By cell of a box, the pairs of links from there that are cut.
+    /// By cell of a box, the pairs of links from there, and to there, that are cut.
     mask: Mask,
     /// Those with more than one layer on them.
     doubled: Vec<u32>,
@@ -122,22 +124,33 @@ pub struct CutLinks {
 /// A cut of a link.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
-    /// Of cell A and pair: what links are ordered by.
-    key: u64,
     cells: [[i32; 3]; 2],
     pair: u8,
     cut: Cut,
 }
 
-/// Key of a hit, and its place in the parts that were found: ordered by key, then by triangle.
-type Order = (u64, u32, u32);
+/// A hit, ordered by the row of cell A, the link in it, then the triangle.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Order {
+    /// Row of cell A along x.
+    row: u32,
+    /// Of cell A and pair.
+    link: u32,
+    /// The part of those that were found, and the place in it.
+    part: u32,
+    hit: u32,
+}
+
+impl Order {
+    const fn is_of_link(&self, other: &Self) -> bool {
+        self.row == other.row && self.link == other.link
+    }
+}
 
 #[derive(Debug, Clone, Default)]
 struct Mask {
     cells: CellBox,
-    pairs: Vec<u16>,
-    /// By cell, the pairs of links that are cut and lead there.
-    arriving: Vec<u16>,
+    around: Vec<CutAround>,
 }
 
 impl Mask {
@@ -145,21 +158,19 @@ impl Mask {
         self.cells = (links.par_chunks(PLACES_AT_ONCE))
             .map(|links| CellBox::around(links.iter().flat_map(|link| link.cells)))
             .reduce(CellBox::default, CellBox::with);
-        for pairs in [&mut self.pairs, &mut self.arriving] {
-            pairs.clear();
-            pairs.resize(self.cells.count(), 0);
-        }
+        self.around.clear();
+        self.around.resize(self.cells.count(), CutAround::default());
         for link in links {
             let [from, to] = link.cells.map(|cell| self.cells.place(cell));
             if let (Some(from), Some(to)) = (from, to) {
-                self.pairs[from] |= 1 << link.pair;
-                self.arriving[to] |= 1 << link.pair;
+                self.around[from].from |= 1 << link.pair;
+                self.around[to].to |= 1 << link.pair;
             }
         }
     }
 
     fn has(&self, cell: [i32; 3], pair: u8) -> bool {
-        (self.cells.place(cell)).is_some_and(|place| self.pairs[place] >> pair & 1 == 1)
+        (self.cells.place(cell)).is_some_and(|place| self.around[place].from >> pair & 1 == 1)
     }
 }
 
@@ -245,26 +256,20 @@ impl CutLinks {
                 hits
             })
             .collect();
-        self.order.clear();
-        let placed = parts.par_iter().enumerate().flat_map_iter(|(part, hits)| {
-            let placed = hits.iter().enumerate();
-            placed.map(move |(k, hit)| (hit.key, part as u32, k as u32))
-        });
-        self.order.par_extend(placed);
-        self.order.par_sort_unstable();
+        self.sort(&parts, domain);
         let order = &self.order;
         self.starts.clear();
         let first_of_a_link = |place: &u32| {
             let place = *place as usize;
-            place == 0 || order[place - 1].0 != order[place].0
+            place == 0 || !order[place - 1].is_of_link(&order[place])
         };
         let places = (0..order.len() as u32).into_par_iter();
         self.starts
             .par_extend(places.with_min_len(PLACES_AT_ONCE).filter(first_of_a_link));
         self.starts.push(order.len() as u32);
         let hit = |place: u32| {
-            let (_, part, k) = order[place as usize];
-            &parts[part as usize][k as usize]
+            let Order { part, hit, .. } = order[place as usize];
+            &parts[part as usize][hit as usize]
         };
         (self.starts.par_windows(2))
             .with_min_len(LINKS_AT_ONCE)
@@ -299,6 +304,44 @@ impl CutLinks {
         Ok(())
     }
 
+    /// Orders the cuts that were found: first by rows of cells, then within each.
+    fn sort(&mut self, parts: &[Vec<Hit>], domain: &Domain) {
+        let rows_of_a_layer = domain.cells[1] as u32;
+        let place = |part: usize, (number, hit): (usize, &Hit)| {
+            let [x, y, z] = hit.cells[0].map(|place| place as u32);
+            Order {
+                row: y + rows_of_a_layer * z,
+                link: 9 * x + u32::from(hit.pair),
+                part: part as u32,
+                hit: number as u32,
+            }
+        };
+        self.unsorted.clear();
+        let found = parts.par_iter().enumerate().flat_map_iter(|(part, hits)| {
+            (hits.iter().enumerate()).map(move |hit| place(part, hit))
+        });
+        self.unsorted.par_extend(found);
+        let of_rows = self.unsorted.iter().map(|order| order.row);
+        let (first, last) = of_rows.fold((u32::MAX, 0), |(first, last), row| {
+            (first.min(row), last.max(row))
+        });
+        // Where the next of each row goes.
+        let mut next = vec![0_u32; (last + 2).saturating_sub(first) as usize];
+        for order in &self.unsorted {
+            next[(order.row - first) as usize + 1] += 1;
+        }
+        for row in 1..next.len() {
+            next[row] += next[row - 1];
+        }
+        self.order.resize(self.unsorted.len(), Order::default());
+        for order in &self.unsorted {
+            let place = &mut next[(order.row - first) as usize];
+            self.order[*place as usize] = *order;
+            *place += 1;
+        }
+        (self.order.par_chunk_by_mut(|a, b| a.row == b.row)).for_each(<[Order]>::sort_unstable);
+    }
+
     /// The links.
     #[must_use]
     pub fn links(&self) -> &[CutLink] {
@@ -318,10 +361,12 @@ impl CutLinks {
         let mask = &self.mask;
         mask.cells
             .place(cell)
-            .map_or_else(CutAround::default, |place| CutAround {
-                from: mask.pairs[place],
-                to: mask.arriving[place],
-            })
+            .map_or_else(CutAround::default, |place| mask.around[place])
+    }
+
+    /// The box of their cells.
+    pub(super) const fn cells(&self) -> &CellBox {
+        &self.mask.cells
     }
 
     /// Least and largest places of their cells; `None` where nothing is cut.
@@ -345,6 +390,21 @@ pub struct CutAround {
     to: u16,
 }
 
+/// Nine bits, each at twice its place.
+static EVERY_OTHER: [u32; 512] = {
+    let mut spread = [0; 512];
+    let mut bits = 0;
+    while bits < 512 {
+        let mut bit = 0;
+        while bit < 9 {
+            spread[bits] |= ((bits as u32 >> bit) & 1) << (2 * bit);
+            bit += 1;
+        }
+        bits += 1;
+    }
+    spread
+};
+
 impl CutAround {
     /// True where the link in a direction (not 0) is cut.
     #[inline]
@@ -356,6 +416,13 @@ impl CutAround {
             self.to
         };
         of_pair >> ((direction - 1) / 2) & 1 == 1
+    }
+
+    /// By direction, a bit of those that are cut.
+    #[inline]
+    #[must_use]
+    pub fn directions(self) -> u32 {
+        EVERY_OTHER[self.from as usize] << 1 | EVERY_OTHER[self.to as usize] << 2
     }
 
     /// How many are.
@@ -453,10 +520,7 @@ fn cuts_of(
                 let (Some(cell), Some(other)) = (domain.cell(cell), domain.cell(other)) else {
                     continue;
                 };
-                let [nx, ny, _] = domain.cells.map(|n| n as u64);
-                let [x, y, z] = cell.map(|n| n as u64);
                 hits.push(Hit {
-                    key: 9 * (x + nx * (y + ny * z)) + pair as u64,
                     cells: [cell, other],
                     pair: pair as u8,
                     cut: Cut {

@@ -271,3 +271,26 @@ fn cuts_are_sorted_by_triangle() {
         assert_eq!(cuts, wanted);
     }
 }
+
+/// Links are ordered by the cell that they lead from, x fastest, then by pair. What is known around cells is what leads from them and to them.
+#[test]
+fn links_are_in_order() {
+    let (positions, triangles) = ball(DVec3::new(9.3, 9.8, 10.1), 5.2);
+    let links = found(&positions, &triangles, &DOMAIN);
+    let place = |link: &CutLink| {
+        let [x, y, z] = link.cells[0];
+        (z, y, x, link.pair)
+    };
+    assert!(links.links().is_sorted_by(|a, b| place(a) < place(b)));
+    let mut around = std::collections::HashMap::<[i32; 3], u32>::new();
+    for link in links.links() {
+        for side in [0, 1] {
+            *around.entry(link.cells[side]).or_default() |= 1 << link.leaving(side);
+        }
+    }
+    for (cell, wanted) in around {
+        let cut = links.cut_around(cell);
+        assert_eq!(cut.directions(), wanted);
+        assert!((1..19).all(|direction| cut.has(direction) == (wanted >> direction & 1 == 1)));
+    }
+}

@@ -29,25 +29,11 @@ use glam::DVec3;
 
 use super::Return;
 use super::boundary_layer::Face;
+use super::cell_states::{Air, CELLS_OF_AN_IMAGE, CellState};
 use super::energy::Energy;
 use super::faces;
 use super::search::CutLink;
-use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, WEIGHTS, opposite};
-
-/// What leaves a cell, by direction; shifted populations.
-pub type Leaving = [f64; DIRECTION_COUNT];
-
-/// Cells that an image is taken from.
-pub(super) const CELLS_OF_AN_IMAGE: usize = 3;
-
-/// State of the air where an image lies, as it leaves.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Air {
-    pub(super) density: f64,
-    pub(super) momentum: DVec3,
-    /// Flux of momentum beyond the pressure: xx, yy, zz and yz, xz, xy.
-    flux: [DVec3; 2],
-}
+use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, WEIGHTS, opposite};
 
 /// The directions as vectors.
 const VECTORS: [DVec3; DIRECTION_COUNT] = {
@@ -64,57 +50,6 @@ const VECTORS: [DVec3; DIRECTION_COUNT] = {
 #[inline]
 pub(super) const fn vector(direction: usize) -> DVec3 {
     VECTORS[direction]
-}
-
-impl Air {
-    pub(super) fn new(leaving: &Leaving) -> Self {
-        let (mut excess, mut momentum, mut flux) = (leaving[0], [0.0; 3], [[0.0; 3]; 2]);
-        for pair in 0..DIRECTION_COUNT / 2 {
-            let (there, back) = (leaving[2 * pair + 1], leaving[2 * pair + 2]);
-            let (both, beyond) = (there + back, there - back);
-            let c = DIRECTIONS[2 * pair + 1];
-            excess += both;
-            for a in 0..3 {
-                match c[a] {
-                    0 => {}
-                    sign => {
-                        momentum[a] += f64::from(sign) * beyond;
-                        flux[0][a] += both;
-                    }
-                }
-                match c[(a + 1) % 3] * c[(a + 2) % 3] {
-                    0 => {}
-                    sign => flux[1][a] += f64::from(sign) * both,
-                }
-            }
-        }
-        Self {
-            density: 1.0 + excess,
-            momentum: DVec3::from_array(momentum),
-            flux: [
-                DVec3::from_array(flux[0]) - DVec3::splat(excess / 3.0),
-                DVec3::from_array(flux[1]),
-            ],
-        }
-    }
-
-    fn add(&mut self, share: f64, other: &Self) {
-        self.density += share * other.density;
-        self.momentum += other.momentum * share;
-        self.flux[0] += other.flux[0] * share;
-        self.flux[1] += other.flux[1] * share;
-    }
-
-    /// Flux of momentum across a plane.
-    fn flux(&self, normal: DVec3) -> DVec3 {
-        let [diagonal, off] = self.flux;
-        diagonal * normal
-            + DVec3::new(
-                off.z * normal.y + off.y * normal.z,
-                off.z * normal.x + off.x * normal.z,
-                off.y * normal.x + off.x * normal.y,
-            )
-    }
 }
 
 /// Mirror image of the cell behind a cut: shares of cells in the air.
@@ -161,7 +96,7 @@ pub struct Loss {
 }
 
 impl Image {
-    /// Of the cell behind the cut at a side of a link, taken from cells by these shares; η is `closer`. The cells have no numbers yet.
+    /// Of the cell behind the cut at a side of a link, taken from cells by these shares; η is `closer`. Who made it numbers the cells; until then these are their places in a box.
     pub(super) fn new(
         (number, link, side): (u32, &CutLink, usize),
         away: DVec3,
@@ -192,23 +127,19 @@ impl Image {
         WEIGHTS[usize::from(self.direction)]
     }
 
-    /// What comes back, and what is lost, by what is `leaving` the cells, and the `air` there.
-    pub(super) fn returned(
-        &self,
-        (leaving, air): (&[Leaving], &[Air]),
-        wall: DVec3,
-    ) -> (Return, Loss) {
+    /// What comes back, and what is lost, by the states of all `cells`.
+    pub(super) fn returned<R: Real>(&self, cells: &[CellState<R>], wall: DVec3) -> (Return, Loss) {
         let direction = usize::from(self.direction);
-        let out = leaving[self.own as usize][direction];
-        let from = opposite(direction);
-        let (mut at, mut went, mut came) = (Air::default(), 0.0, 0.0);
-        for (share, cell) in self.shares.into_iter().zip(self.cells) {
-            let cell = cell as usize;
-            at.add(share, &air[cell]);
-            went += share * leaving[cell][direction];
-            came += share * leaving[cell][from];
-        }
-        self.reflected(out, (went, came), &at, wall)
+        let out = cells[self.own as usize].leaving(direction);
+        let of_image = self.cells.map(|cell| &cells[cell as usize]);
+        let leaving = |direction: usize| {
+            let parts = self.shares.into_iter().zip(of_image);
+            parts.fold(0.0, |sum, (share, cell)| {
+                sum + share * cell.leaving(direction)
+            })
+        };
+        let exchanged = (leaving(direction), leaving(opposite(direction)));
+        self.reflected(out, exchanged, &Air::between(self.shares, of_image), wall)
     }
 
     /// What comes back, and what is lost, by what went `out` and what of the image `went` with it and `came` back.

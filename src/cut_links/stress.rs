@@ -10,10 +10,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::boundary_layer::BoundaryLayers;
+use super::cell_states::CELLS_OF_AN_IMAGE;
 use super::images::{Asked, Images};
 use super::modelled::Off;
 use super::search::{CutLink, CutLinks, Domain};
-use super::slide::{CELLS_OF_AN_IMAGE, Image};
+use super::slide::Image;
 use super::surroundings::{Around, Next, Surroundings};
 use crate::lattice::{DIRECTIONS, WEIGHTS};
 

@@ -4,8 +4,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
 
+use super::cell_states::CELLS_OF_AN_IMAGE;
 use super::search::{CutAround, CutLink, CutLinks, Domain};
-use super::slide::{CELLS_OF_AN_IMAGE, vector};
+use super::slide::vector;
 use crate::lattice::nest::CHANGED_BY_LAYERS;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS};
 
@@ -14,7 +15,7 @@ const ON_A_CENTRE: f64 = 1e-3;
 
 /// Cells from the one beside a wall to those whose velocities a model of the boundary layer takes. The first is two to three and a half cells off, so that the stress does not follow from
 /// what it does to the first cell. The second tells the speed outside a layer that is thicker.
-const CELLS_OFF: [usize; 2] = [CHANGED_BY_LAYERS - 1, 5];
+pub(super) const CELLS_OFF: [usize; 2] = [CHANGED_BY_LAYERS - 1, 5];
 
 /// Free cells beyond the first that a wall needs before it for the air to slide.
 const ROOM: usize = 2;
@@ -59,17 +60,34 @@ impl Around {
         }
     }
 
-    /// What lies in a direction (not 0).
+    /// The cell in a direction, whatever lies between; `None` where the air ends.
     #[inline]
-    pub(super) fn next(&self, domain: &Domain, direction: usize) -> Next {
+    fn beside(&self, domain: &Domain, direction: usize) -> Option<[i32; 3]> {
         let c = DIRECTIONS[direction];
         let next = std::array::from_fn(|a| self.cell[a] + c[a]);
-        let next = if self.inside {
+        if self.inside {
             Some(next)
         } else {
             domain.cell(next.map(i64::from))
-        };
-        match next {
+        }
+    }
+
+    /// By direction, a bit of those that lead to a cell of the air, or stay.
+    #[inline]
+    fn free(&self, domain: &Domain) -> u32 {
+        let open = !self.cut.directions();
+        if self.inside {
+            return open;
+        }
+        let leads = |direction: &usize| self.beside(domain, *direction).is_some();
+        let lead = (0..DIRECTION_COUNT).filter(leads);
+        open & lead.fold(0, |all, direction| all | 1 << direction)
+    }
+
+    /// What lies in a direction (not 0).
+    #[inline]
+    pub(super) fn next(&self, domain: &Domain, direction: usize) -> Next {
+        match self.beside(domain, direction) {
             None => Next::End,
             Some(_) if self.cut.has(direction) => Next::Wall,
             Some(next) => Next::Cell(next),
@@ -78,19 +96,18 @@ impl Around {
 }
 
 impl Surroundings<'_> {
-    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends. It is `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
+    /// Cells off a wall and their distances from it, straight `ahead` as far as that direction of the lattice leads, the [`straightest`] off the wall. They are fewer cells off where the way ends. It is `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
     pub(super) fn off(
         &self,
         (link, side): (&CutLink, usize),
         own: &Around,
-        (away, modelled): (DVec3, bool),
+        (away, ahead, modelled): (DVec3, usize, bool),
     ) -> Option<CellsOff> {
         // In a crease, or a gap of one cell.
         if own.cut.on_both_sides() {
             return None;
         }
         let off = |direction: usize| -vector(direction).dot(away);
-        let ahead = straightest(-away);
         let mut at = *own;
         let mut height = link.distance(side) * -off(link.leaving(side));
         let mut found = [(at.cell, height); 2];
@@ -122,32 +139,18 @@ impl Surroundings<'_> {
         let across = d.dot(away);
         let height = (1.0 - link.distance(side)) * across;
         let image = d - away * (2.0 * height);
-        // By the square of the distance.
-        let mut nearest = [(f64::INFINITY, own.cell, 0); CELLS_OF_AN_IMAGE];
-        for direction in 0..DIRECTION_COUNT {
-            let square = (vector(direction) - image).length_squared();
-            if square >= nearest[CELLS_OF_AN_IMAGE - 1].0 {
-                continue;
-            }
-            let mut new = (square, own.cell, direction);
-            if direction > 0 {
-                let Next::Cell(cell) = own.next(self.domain, direction) else {
-                    continue;
-                };
-                new.1 = cell;
-            }
-            for held in &mut nearest {
-                if new.0 < held.0 {
-                    std::mem::swap(held, &mut new);
-                }
-            }
-        }
-        let nearest = nearest.map(|(square, cell, direction)| {
-            (1.0 / (square * square + ON_A_CENTRE), cell, direction)
+        let nearest = nearest(image, own.free(self.domain)).map(|direction| {
+            let square = direction.map_or(f64::INFINITY, |direction| {
+                (vector(direction) - image).length_squared()
+            });
+            (
+                1.0 / (square * square + ON_A_CENTRE),
+                direction.unwrap_or(0),
+            )
         });
-        let sum: f64 = nearest.iter().map(|(share, ..)| share).sum();
+        let sum: f64 = nearest.iter().map(|(share, _)| share).sum();
         let lower = (nearest.iter())
-            .map(|(share, _, direction)| share * vector(*direction).dot(away))
+            .map(|(share, direction)| share * vector(*direction).dot(away))
             .sum::<f64>()
             / sum;
         let of_cells = link.distance(side) * across - lower;
@@ -156,22 +159,53 @@ impl Surroundings<'_> {
         } else {
             1.0
         };
-        (nearest.map(|(share, cell, _)| (share / sum, cell)), closer)
+        let cell = |direction| own.beside(self.domain, direction).unwrap_or(own.cell);
+        let cells = nearest.map(|(share, direction)| (share / sum, cell(direction)));
+        (cells, closer)
     }
+}
+
+/// The directions that lead nearest to a place beside a cell, of those that are `free`, a bit each; of equally near ones the first. `None` where there are not so many.
+///
+/// Without branches: which of them are nearest is as good as random.
+#[inline]
+fn nearest(place: DVec3, free: u32) -> [Option<usize>; CELLS_OF_AN_IMAGE] {
+    /// Bits that number the directions; they take the place of the last ones of the square.
+    const NUMBER: u64 = 31;
+    let own = place.length_squared();
+    let mut squares = [own; DIRECTION_COUNT];
+    for pair in 0..DIRECTION_COUNT / 2 {
+        let there = vector(2 * pair + 1);
+        let (square, twice) = (own + there.length_squared(), 2.0 * there.dot(place));
+        squares[2 * pair + 1] = (square - twice).max(0.0);
+        squares[2 * pair + 2] = (square + twice).max(0.0);
+    }
+    let mut least = [u64::MAX; CELLS_OF_AN_IMAGE];
+    for (direction, square) in squares.iter().enumerate() {
+        // What is not negative has the order of its bits.
+        let mut key = square.to_bits() & !NUMBER | direction as u64;
+        if free >> direction & 1 == 0 {
+            key = u64::MAX;
+        }
+        for held in &mut least {
+            let nearer = key.min(*held);
+            key = key.max(*held);
+            *held = nearer;
+        }
+    }
+    least.map(|key| (key != u64::MAX).then_some((key & NUMBER) as usize))
 }
 
 /// Direction (not 0) of the lattice nearest to a unit vector; of equally near ones the last.
 pub(super) fn straightest(towards: DVec3) -> usize {
-    let (mut best, mut nearest) = (f64::NEG_INFINITY, 1);
+    let (mut best, mut nearest) = (0.0, 2);
     for pair in 0..DIRECTION_COUNT / 2 {
-        let direction = 2 * pair + 1;
         // The first three lie along the axes.
         let over_length = if pair < 3 { 1.0 } else { FRAC_1_SQRT_2 };
-        let along = vector(direction).dot(towards) * over_length;
-        for (cosine, direction) in [(along, direction), (-along, direction + 1)] {
-            if cosine >= best {
-                (best, nearest) = (cosine, direction);
-            }
+        let along = vector(2 * pair + 1).dot(towards) * over_length;
+        if along.abs() >= best {
+            best = along.abs();
+            nearest = 2 * pair + 1 + usize::from(along <= 0.0);
         }
     }
     nearest
@@ -180,6 +214,32 @@ pub(super) fn straightest(towards: DVec3) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// As by sorting all of them, also where walls leave one or two.
+    #[test]
+    fn the_nearest_directions_are_found() {
+        let mut state = 1_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            (state >> 32) as f64 / 2.0_f64.powi(31) - 1.0
+        };
+        for k in 0..2000 {
+            let place = DVec3::new(noise(), noise(), noise());
+            let mut free = ((noise() + 1.0) * 2.0_f64.powi(18)) as u32 | 1;
+            if k % 7 == 0 {
+                free &= 0b1_0000_0001;
+            }
+            let mut all: Vec<usize> = (0..DIRECTION_COUNT)
+                .filter(|d| free >> d & 1 == 1)
+                .collect();
+            let square = |d: &usize| (vector(*d) - place).length_squared();
+            all.sort_by(|a, b| square(a).total_cmp(&square(b)));
+            let wanted = std::array::from_fn(|k| all.get(k).copied());
+            assert_eq!(nearest(place, free), wanted, "{place} {free:b}");
+        }
+        // As near as each other.
+        assert_eq!(nearest(DVec3::ZERO, u32::MAX), [Some(0), Some(1), Some(2)]);
+    }
 
     /// Every direction of the lattice is nearest to itself. The cube's diagonal is 35.3° from three of them, and nothing is farther; of those three the last counts.
     #[test]

@@ -469,4 +469,9 @@ impl Through {
     pub const fn mean(&self) -> Option<f64> {
         self.mean
     }
+
+    /// Goes on with it as it was [cells per step].
+    pub const fn go_on(&mut self, mean: f64) {
+        self.mean = Some(mean);
+    }
 }

@@ -195,7 +195,7 @@ pub(super) fn results(
 ) {
     let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
     let Some(window) = steady::window(record, unit_s) else {
-        let missing = Quantity::missing("the run ended before release");
+        let missing = Quantity::missing("the run ended before two samples after the release");
         results.insert(&DRAG_COEFFICIENT, missing);
         return;
     };

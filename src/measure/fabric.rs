@@ -136,7 +136,10 @@ impl InWind {
 pub(super) fn in_wind(results: &mut Results, record: &Record, scene: &Scene) {
     let times = record.column(&TIME);
     let Some(first) = second_half(&times) else {
-        results.insert(&FORCE_X, Quantity::missing("the run ended before release"));
+        results.insert(
+            &FORCE_X,
+            Quantity::missing("the run ended before two samples after the release"),
+        );
         return;
     };
     let plate = scene.plate().zip(scene.air.as_ref());

@@ -13,7 +13,7 @@ use super::shared::{PROJECTED_DIAMETER_RATIO, TIME};
 use super::statistics::{Mean, first_peak, mean_of, slope};
 use super::steady::{BATCH, SETTLING, SHORTEST_WINDOW};
 use crate::case::Scene;
-use crate::case::scene::{BodyKind, Carrier, Descent};
+use crate::case::scene::{BodyKind, Carrier, Descent, STANDARD_GRAVITY_M_S2};
 use crate::output::{Quantity, Results};
 use crate::simulation::{Fall, Simulation};
 
@@ -48,10 +48,10 @@ columns! {
     COLUMNS of Moment, in Scene: "What falls";
     DESCENT_SPEED: "descent_speed_m_s", "m/s", "speed of the payload or body" => |now| now.fall.speed_m_s;
     HEIGHT_FALLEN: "height_fallen_m", "m", "height fallen since release" => |now| now.fall.fallen_m, reduced Last;
-    LOAD_FACTOR: "load_factor_g", "1", "load factor; what an accelerometer on the falling mass would show: 0 in free fall, 1 at constant speed; mean since the last sample"
+    LOAD_FACTOR: "load_factor_g", "1", "load factor, in 9.80665 m/s2; what an accelerometer on the falling mass would show: 0 in free fall, 1 at constant speed on Earth; mean since the last sample"
         => |now| now.before.map_or(f64::NAN, |[interval_s, speed_m_s]| {
             let gained = (now.fall.speed_m_s - speed_m_s) / interval_s;
-            1.0 - gained / now.gravity_m_s2
+            (now.gravity_m_s2 - gained) / STANDARD_GRAVITY_M_S2
         }), reduced LargestAs("peak_load_factor_g");
     DRAG_COEFFICIENT_PRESENT: "drag_coefficient_present", "1", "drag over the dynamic pressure of the present speed and the reference area"
         => |now| now.drag_n / now.dynamic_pressure_pa / now.reference_area_m2, reduced MeanOf;

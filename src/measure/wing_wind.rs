@@ -253,7 +253,7 @@ pub(super) fn results(
         return;
     };
     let Some(window) = window(record, &known) else {
-        let missing = Quantity::missing("the run ended before release");
+        let missing = Quantity::missing("the run ended before two samples after the release");
         results.insert(&LIFT_COEFFICIENT, missing);
         return;
     };

@@ -18,6 +18,9 @@ const BLOCKAGE_LIMIT: f64 = 0.1;
 /// Area of a canopy's fabric over S_0 as designs have it: vents, gaps and slots take some, fullness adds some.
 const FABRIC_SHARES: std::ops::RangeInclusive<f64> = 0.6..=1.1;
 
+/// Mass of a canopy over the area of its fabric that is not remarked upon [kg/m²].
+const AREAL_DENSITIES_KG_M2: std::ops::RangeInclusive<f64> = 0.005..=3.0;
+
 impl Plan {
     /// Warnings, each with its remedy.
     #[must_use]
@@ -25,6 +28,7 @@ impl Plan {
         let mut warnings = Vec::new();
         warnings.extend(blockage(scene));
         warnings.extend(nominal_area(scene));
+        warnings.extend(mass_of_fabric(scene));
         warnings.extend(self.device_tolerance(scene));
         warnings.extend(late_pictures(scene));
         warnings.extend(
@@ -85,6 +89,25 @@ fn nominal_area(scene: &Scene) -> Option<String> {
             "the canopy has {fabric_m2:.3} m2 of fabric, {share:.2} of the nominal area of {:.3} m2 to which D_0 and all coefficients refer; \
              correct nominal_area_m2 (or the unit of the mesh, structure.mesh.scale) unless that is meant",
             canopy.nominal_area_m2
+        )
+    })
+}
+
+/// Fabric, with what is sewn to it, of a mass that no canopy has: a constant in another unit.
+fn mass_of_fabric(scene: &Scene) -> Option<String> {
+    let body = scene.body.as_ref()?;
+    let BodyKind::Canopy(canopy) = &body.kind else {
+        return None;
+    };
+    let mass_kg: f64 = (body.structure.masses_kg)
+        .get(..canopy.canopy_node_count)?
+        .iter()
+        .sum();
+    let areal_density_kg_m2 = mass_kg / body.structure.rest_area_m2();
+    (!AREAL_DENSITIES_KG_M2.contains(&areal_density_kg_m2)).then(|| {
+        format!(
+            "the canopy weighs {areal_density_kg_m2:.3e} kg per m2 of fabric, with what hangs on its nodes; parachutes weigh 0.02 to 0.5: check the units of fabric.thickness_m, \
+             fabric.density_kg_m3, lines.area_m2 and lines.density_kg_m3 unless that is meant"
         )
     })
 }

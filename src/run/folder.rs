@@ -168,7 +168,9 @@ fn refuse_other_physics(
             ledger.state.name(),
             ledger.reached.time_s
         ),
-        _ => format!("the run in {at} ended before its first checkpoint: start without --resume"),
+        _ => format!(
+            "the run in {at} ended before its first checkpoint: begin anew, with --overwrite in place of --resume"
+        ),
     })
 }
 

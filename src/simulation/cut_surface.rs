@@ -14,8 +14,8 @@ use crate::cloth::patches::Patches;
 use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::{self, Seen};
 use crate::cut_links::{
-    BoundaryLayers, ChangedByPair, Cut, CutLink, CutLinks, CutsByTriangle, Domain, FacePressures,
-    Leaving, OutOfAir, Passage, Pockets, Return, SIDES, Through,
+    BoundaryLayers, CellState, ChangedByPair, Cut, CutLink, CutLinks, CutsByTriangle, Domain,
+    FacePressures, OutOfAir, Passage, Pockets, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -335,11 +335,11 @@ impl CutSurface {
         let Some(sliding) = &mut self.sliding else {
             return Ok(());
         };
-        let (cells, count, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
+        let (cells, count, states) = sliding.read(matches!(air, AirEngine::Gpu(_)));
         match air {
-            AirEngine::CpuF32(fluid) => fluid.read_images(&cells[..count], leaving),
-            AirEngine::CpuF16(fluid) => fluid.read_images(&cells[..count], leaving),
-            AirEngine::CpuF64(fluid) => fluid.read_images(&cells[..count], leaving),
+            AirEngine::CpuF32(fluid) => fluid.read_images(&cells[..count], states.single()),
+            AirEngine::CpuF16(fluid) => fluid.read_images(&cells[..count], states.single()),
+            AirEngine::CpuF64(fluid) => fluid.read_images(&cells[..count], states.double()),
             AirEngine::Gpu(fluid) => fluid.read_images(self.links.search(), (cells, count))?,
         }
         Ok(())
@@ -355,8 +355,8 @@ impl CutSurface {
         if let AirEngine::Gpu(fluid) = air {
             fluid.fetch_links(&self.links, &mut self.returns)?;
             if let Some(sliding) = &mut self.sliding {
-                let (count, leaving) = sliding.asked();
-                fluid.fetch_images(count, leaving)?;
+                let (count, states) = sliding.asked();
+                fluid.fetch_images(count, states.single())?;
             }
         }
         self.slide(velocities);
@@ -430,6 +430,13 @@ impl CutSurface {
         self.through.as_ref().and_then(Through::mean)
     }
 
+    /// Goes on with it as it was.
+    pub(super) fn go_on_with_mean_through(&mut self, mean: f64) {
+        if let Some(through) = &mut self.through {
+            through.go_on(mean);
+        }
+    }
+
     /// What the air does to the surface by what was read, cut by cut.
     pub fn reactions(&self) -> impl Iterator<Item = (&Cut, CutReaction)> {
         (0..self.links().len()).flat_map(|link| SIDES.map(|side| self.reaction(link, side)))
@@ -494,8 +501,8 @@ impl CutSurface {
         }
     }
 
-    /// What left the cells of the images, and the populations that lose the stress of boundary layers.
-    fn changed(&self) -> (&[Leaving], &ChangedByPair) {
+    /// States of the cells of the images as a device has them, and the populations that lose the stress of boundary layers.
+    fn changed(&self) -> (&[CellState<f32>], &ChangedByPair) {
         (self.sliding.as_ref()).map_or((&[], NOTHING), Sliding::changed)
     }
 

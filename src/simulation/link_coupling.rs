@@ -517,6 +517,9 @@ impl LinkCoupling {
             out.put("link_boundary_layers", &layers.saved())?;
             out.put("link_boundary_layer_steps_left", &[layers.steps_left()])?;
         }
+        if let Some(mean) = self.surface.mean_through() {
+            out.put("link_mean_through", &[mean])?;
+        }
         out.put("link_velocities", &self.velocities)?;
         out.put("link_positions", &self.positions)?;
         let sums: Vec<[f64; 3]> = [self.force_on_air, self.fabric_force_on_air]
@@ -539,6 +542,10 @@ impl LinkCoupling {
             ),
             None => (Vec::new(), 0),
         };
+        if self.surface.mean_through().is_some() {
+            let mean = from.take_exactly::<f64>("link_mean_through", 1)?[0];
+            self.surface.go_on_with_mean_through(mean);
+        }
         let layers = (&*layers, steps_left);
         self.surface.go_on(excess, layers, self.positions.clone());
         let sums: Vec<[f64; 3]> = from.take_exactly("link_forces", 2 + 2 * self.loads.len())?;

@@ -95,9 +95,15 @@ pub(super) fn open(
         unsolved += usize::from(!outcome.stop.reached());
         opened_ratio = ratio(cloth);
         if outcome.stop == Stop::NotFinite || steps >= STEP_LIMIT {
+            let to_do = if 2 * unsolved > steps {
+                format!(
+                    "{unsolved} of their solves missed the tolerance: raise solver.evaluation_limit or solver.tolerance"
+                )
+            } else {
+                "raise loading_pressure_pa of the canopy's folding, ask for less (opened_diameter_ratio), or fold it less (folded_diameter_ratio)".to_owned()
+            };
             return Err(format!(
-                "the loading pressure of {} Pa opened the folded canopy only to D_p/D_0 = {opened_ratio:.3} of {} in {steps} steps; \
-                 raise folding.loading_pressure_pa, or ask for less (folding.opened_diameter_ratio)",
+                "the loading pressure of {} Pa opened the folded canopy only to D_p/D_0 = {opened_ratio:.3} of {} in {steps} steps; {to_do}",
                 loading.pressure_pa, loading.opened_diameter_ratio
             ));
         }

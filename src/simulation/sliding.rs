@@ -10,8 +10,10 @@ use crate::cut_links::images::Asked;
 use crate::cut_links::slide::{self, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
-    BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Reflections, Return, Stress,
+    BoundaryLayers, CellState, CellStates, ChangedByPair, CutLinks, Domain, Images, Reflections,
+    Return, Stress,
 };
+use crate::lattice::Real;
 
 /// How the air slides along the surface.
 #[derive(Debug)]
@@ -21,8 +23,8 @@ pub(super) struct Sliding {
     /// By face, whether it looks at air that a body at rest shuts in; empty where none does.
     shut_in: Vec<bool>,
     images: Images,
-    /// What left the cells of the images, and how many of these are asked in this step.
-    leaving: Vec<Leaving>,
+    /// Of the cells of the images, and how many of these are asked in this step.
+    states: CellStates,
     asked: usize,
     reflections: Reflections,
     spaces: Spaces,
@@ -64,7 +66,7 @@ impl Sliding {
         let modelled = friction.iter().map(|f| *f == Friction::Model).collect();
         (friction.iter().any(|f| *f != Friction::NoSlip)).then(|| Self {
             images: Images::default(),
-            leaving: Vec::new(),
+            states: CellStates::default(),
             asked: 0,
             reflections: Reflections::default(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
@@ -126,7 +128,7 @@ impl Sliding {
 
     /// Begins a step. Returns the cells that are asked what left them, how many of them (from the first on) are asked in this step, and room for the answers. With `on_device` a
     /// device answers, which keeps its own list of cells.
-    pub(super) fn read(&mut self, on_device: bool) -> (&[[i32; 3]], usize, &mut Vec<Leaving>) {
+    pub(super) fn read(&mut self, on_device: bool) -> (&[[i32; 3]], usize, &mut CellStates) {
         let mut asked = if on_device {
             Asked::Near
         } else {
@@ -140,23 +142,37 @@ impl Sliding {
         }
         self.asked = self.images.cells(asked).len();
         let cells = self.images.cells(Asked::Further);
-        (cells, self.asked, &mut self.leaving)
+        (cells, self.asked, &mut self.states)
     }
 
     /// How many cells were asked in this step, and room for the answers.
-    pub(super) const fn asked(&mut self) -> (usize, &mut Vec<Leaving>) {
-        (self.asked, &mut self.leaving)
+    pub(super) const fn asked(&mut self) -> (usize, &mut CellStates) {
+        (self.asked, &mut self.states)
     }
 
     /// Puts what comes back where the air slides into `returns`; `velocity` is that of the wall at a side of a link.
     pub(super) fn answer(
         &mut self,
+        shape: (&[[u32; 3]], &[DVec3], &[DVec3]),
+        velocity: impl Fn(usize, usize) -> DVec3 + Sync,
+        returns: &mut [[Return; 2]],
+    ) {
+        let states = std::mem::take(&mut self.states);
+        match &states {
+            CellStates::Single(cells) => self.answer_by(cells, shape, velocity, returns),
+            CellStates::Double(cells) => self.answer_by(cells, shape, velocity, returns),
+        }
+        self.states = states;
+    }
+
+    fn answer_by<R: Real>(
+        &mut self,
+        cells: &[CellState<R>],
         (triangles, positions, normals): (&[[u32; 3]], &[DVec3], &[DVec3]),
         velocity: impl Fn(usize, usize) -> DVec3 + Sync,
         returns: &mut [[Return; 2]],
     ) {
-        let (images, leaving) = (&mut self.images, &self.leaving);
-        images.take(leaving);
+        let images = &self.images;
         if let Some(modelled) = &mut self.modelled {
             if modelled.march {
                 let shape = Shape {
@@ -165,7 +181,7 @@ impl Sliding {
                     normals,
                     spaces: &self.spaces,
                 };
-                let seen = |face| images.seen(face, &velocity);
+                let seen = |face| images.seen(face, cells, &velocity);
                 modelled.layers.march(shape, seen);
                 modelled.taken = false;
             }
@@ -174,13 +190,13 @@ impl Sliding {
                 modelled.taken = true;
             }
         }
-        (self.reflections).put(images, leaving, velocity, returns);
+        (self.reflections).put(images, cells, velocity, returns);
     }
 
-    /// What left the cells of the images, and the populations that lose the stress of modelled layers in this step.
-    pub(super) fn changed(&self) -> (&[Leaving], &ChangedByPair) {
+    /// States of the cells of the images as a device has them, and the populations that lose the stress of modelled layers in this step.
+    pub(super) fn changed(&self) -> (&[CellState<f32>], &ChangedByPair) {
         let changed = (self.modelled.as_ref()).map_or(NOTHING, |m| m.stress.changed());
-        (&self.leaving, changed)
+        (self.states.as_single(), changed)
     }
 
     /// What every side of every link takes of the air's momentum by that stress; empty without layers.

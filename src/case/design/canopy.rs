@@ -72,10 +72,13 @@ pub(super) fn derive(design: &CanopyDesign, case: &Table) -> Result<Keys, Proble
     let quality = design.quality.unwrap_or(Quality::Normal);
     let (cells, rings, confidence) = fineness(quality);
     let start = design.start.unwrap_or({
-        if scales.payload_kg.is_some() && !scales.falls {
-            CanopyStart::Hemispherical
-        } else {
+        if scales.payload_kg.is_none() || scales.falls {
             CanopyStart::Folded
+        } else if design.kind == CanopyType::Cruciform {
+            // Folded arms open in some lengths and stay shut in others.
+            CanopyStart::Open
+        } else {
+            CanopyStart::Hemispherical
         }
     });
     let mut keys = Keys::default();

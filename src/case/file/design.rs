@@ -14,26 +14,26 @@ pub struct CanopyDesign {
     pub kind: CanopyType,
     /// Nominal diameter D_0, of a circle of the nominal area [m].
     pub diameter_m: Option<f64>,
-    /// The same [ft].
+    /// `diameter_m` in another unit [ft].
     pub diameter_ft: Option<f64>,
     /// Speed of the wind; with a payload that of release [m/s]. With a payload alone the wind is as fast as payload and drag balance by the
     /// handbook's drag coefficient.
     pub speed_m_s: Option<f64>,
-    /// The same [km/h].
+    /// `speed_m_s` in another unit [km/h].
     pub speed_km_h: Option<f64>,
-    /// The same [ft/s].
+    /// `speed_m_s` in another unit [ft/s].
     pub speed_ft_s: Option<f64>,
-    /// The same [kt].
+    /// `speed_m_s` in another unit [kt].
     pub speed_kt: Option<f64>,
     /// Mass that hangs on the canopy [kg].
     pub payload_kg: Option<f64>,
-    /// The same [lb].
+    /// `payload_kg` in another unit [lb].
     pub payload_lb: Option<f64>,
     /// C_D S of the payload itself [m²]; 0 if absent.
     pub payload_drag_area_m2: Option<f64>,
     /// Altitude whose standard atmosphere is taken, −500 to 11000 [m]; 0 if absent.
     pub altitude_m: Option<f64>,
-    /// The same [ft].
+    /// `altitude_m` in another unit [ft].
     pub altitude_ft: Option<f64>,
     /// Gores, 3 to 200; 8 to 64 by the diameter if absent. A cruciform canopy has none.
     pub gores: Option<usize>,

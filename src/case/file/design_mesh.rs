@@ -25,15 +25,15 @@ pub struct MeshDesign {
     pub start_file: Option<String>,
     /// Speed of the wind [m/s].
     pub speed_m_s: Option<f64>,
-    /// The same [km/h].
+    /// `speed_m_s` in another unit [km/h].
     pub speed_km_h: Option<f64>,
-    /// The same [ft/s].
+    /// `speed_m_s` in another unit [ft/s].
     pub speed_ft_s: Option<f64>,
-    /// The same [kt].
+    /// `speed_m_s` in another unit [kt].
     pub speed_kt: Option<f64>,
     /// Altitude whose standard atmosphere is taken, −500 to 11000 [m]; 0 if absent.
     pub altitude_m: Option<f64>,
-    /// The same [ft].
+    /// `altitude_m` in another unit [ft].
     pub altitude_ft: Option<f64>,
     /// Table of suspension lines in metres (CSV, docs/canopies.md), relative to the case file: required of a canopy, and of nothing else.
     pub line_table: Option<String>,

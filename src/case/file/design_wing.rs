@@ -14,7 +14,7 @@ pub struct WingDesign {
     pub class: WingClass,
     /// Flat span [m]. Exactly one of span and area.
     pub span_m: Option<f64>,
-    /// The same [ft].
+    /// `span_m` in another unit [ft].
     pub span_ft: Option<f64>,
     /// Flat area [m²].
     pub area_m2: Option<f64>,
@@ -26,11 +26,11 @@ pub struct WingDesign {
     pub thickness_percent: Option<u32>,
     /// Pilot, harness and all else that hangs on the risers [kg]; 3.9 kg per m² of flat area if absent.
     pub pilot_kg: Option<f64>,
-    /// The same [lb].
+    /// `pilot_kg` in another unit [lb].
     pub pilot_lb: Option<f64>,
     /// Altitude whose standard atmosphere is taken, −500 to 11000 [m]; 0 if absent.
     pub altitude_m: Option<f64>,
-    /// The same [ft].
+    /// `altitude_m` in another unit [ft].
     pub altitude_ft: Option<f64>,
     /// How fine mesh and panels are; `"normal"` if absent. `--quality` on the command line.
     pub quality: Option<Quality>,

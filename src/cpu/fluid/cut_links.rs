@@ -9,7 +9,7 @@ use super::link_places::{LinkPlaces, array};
 use super::prefetch::prefetch_behind;
 use super::{Fluid, Stored};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{Changed, ChangedByPair, CutLinks, Leaving, Return, SIDES};
+use crate::cut_links::{CellState, Changed, ChangedByPair, CutLinks, Return, SIDES};
 use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Links that one task reads.
@@ -73,7 +73,7 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     }
 
     /// Stage `read_images`: what left cells in all directions.
-    pub fn read_images(&self, cells: &[[i32; 3]], leaving: &mut Vec<Leaving>) {
+    pub fn read_images(&self, cells: &[[i32; 3]], states: &mut Vec<CellState<T>>) {
         let places = Places::new(self.grid, &self.setup, self.odd);
         let arrays = self.arrays();
         let ends = self.exchanged_ends.as_ref();
@@ -85,27 +85,27 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
                 }
             }
         };
-        let read = |population: &P| population.unpacked().to_f64();
-        leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
-        (leaving.par_iter_mut().enumerate())
+        states.resize(cells.len(), CellState::default());
+        (states.par_iter_mut().enumerate())
             .with_min_len(LINKS_AT_ONCE / DIRECTION_COUNT)
-            .for_each(|(number, leaving)| {
+            .for_each(|(number, state)| {
                 cells.get(number + CELLS_AHEAD).copied().map(ask);
                 let cell = cells[number];
                 // Next to an end of a row what left may have arrived where populations wait.
                 let ends = ends.filter(|ends| ends.is_near(cell));
                 if let (Some(index), None) = (places.index_inside(cell), ends) {
-                    for (to, (populations, by)) in leaving.iter_mut().zip(by_direction) {
-                        *to = read(&populations[index.wrapping_add_signed(by)]);
-                    }
+                    let leaving = by_direction.map(|(populations, by)| {
+                        populations[index.wrapping_add_signed(by)].unpacked()
+                    });
+                    *state = CellState::new(leaving);
                     return;
                 }
                 let place = places.leaving(cell);
-                for (direction, to) in leaving.iter_mut().enumerate() {
+                *state = CellState::new(std::array::from_fn(|direction| {
                     let arrived = ends.and_then(|ends| ends.waiting_beside(cell, direction));
                     let (array, element) = place(direction);
-                    *to = arrived.map_or_else(|| read(&arrays[array][element]), T::to_f64);
-                }
+                    arrived.unwrap_or_else(|| arrays[array][element].unpacked())
+                }));
             });
     }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Fluid;
 use super::link_lists::{LinkLists, Listed};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{ChangedByPair, CutLink, CutLinks, Leaving, Return, SIDES};
+use crate::cut_links::{CellState, ChangedByPair, CutLink, CutLinks, Return, SIDES};
 use crate::gpu::error::DeviceError;
 use crate::lattice::DIRECTION_COUNT;
 
@@ -122,20 +122,20 @@ impl Fluid {
     pub fn fetch_images(
         &mut self,
         count: usize,
-        leaving: &mut Vec<Leaving>,
+        states: &mut Vec<CellState<f32>>,
     ) -> Result<(), DeviceError> {
-        leaving.resize(count, [0.0; DIRECTION_COUNT]);
+        states.resize(count, CellState::default());
         if count == 0 {
             return Ok(());
         }
         let mut lists = self.lists()?;
         let list = &mut lists.read_images[usize::from(self.odd)];
         list.numbers(&self.device, DIRECTION_COUNT * count, |numbers| {
-            (leaving.par_iter_mut())
+            (states.par_iter_mut())
                 .zip(numbers.par_chunks(DIRECTION_COUNT))
                 .with_min_len(AT_ONCE)
-                .for_each(|(leaving, read)| {
-                    *leaving = std::array::from_fn(|direction| f64::from(read[direction]));
+                .for_each(|(state, read)| {
+                    *state = CellState::new(std::array::from_fn(|direction| read[direction]));
                 });
         })?;
         self.link_lists = Some(lists);
@@ -175,13 +175,13 @@ impl Fluid {
     }
 
     /// Stage `bounce`, where the last `read_links` laid the places out: writes what comes `back` to both sides of every link. Adds to the population at `rest` there, and what is `changed`
-    /// along open links to what was `leaving`.
+    /// along open links to what left cells of those `states`.
     pub fn bounce(
         &mut self,
         links: &CutLinks,
         back: &[[f64; 2]],
         rest: &[[f64; 2]],
-        (leaving, changed): (&[Leaving], &ChangedByPair),
+        (states, changed): (&[CellState<f32>], &ChangedByPair),
     ) -> Result<(), DeviceError> {
         if links.links().is_empty() {
             return Ok(());
@@ -202,7 +202,7 @@ impl Fluid {
             });
         lists.at_rest.add_up(rest, at_rest, of_cells);
         for (number, change) in of_changes.iter_mut().zip(moving.iter().flatten()) {
-            let population = leaving[change.number as usize][usize::from(change.direction)];
+            let population = states[change.number as usize].leaving(usize::from(change.direction));
             *number = (population + change.change) as f32;
         }
         lists.bounce[usize::from(self.odd)].write(&self.device, &lists.numbers);
