@@ -158,11 +158,7 @@ fn no_old_checkpoint() {
     let resumed = run(&out, "0.2", &["--resume"]);
     assert_eq!(resumed.code, 2, "{}", resumed.errors);
     // Killed before the new run wrote its case, or after.
-    assert!(
-        resumed.errors.contains("begin anew"),
-        "{}",
-        resumed.errors
-    );
+    assert!(resumed.errors.contains("begin anew"), "{}", resumed.errors);
 }
 
 /// A run that is made longer delivers the bits of one that was so from the start; one of other physics is told which key differs.
