@@ -406,7 +406,7 @@ const CORRECT: &str = "correct the key, or remove it; keys carry their unit, e.g
 
 /// The known name that is nearest to an unknown key or word in a message, which lists what was expected.
 fn meant(message: &str) -> Option<&str> {
-    let unknown = ["unknown field `", "unknown variant `"];
+    let unknown = ["unknown field `", "unknown word `"];
     let rest = unknown
         .iter()
         .find_map(|begin| message.strip_prefix(begin))?;
@@ -426,6 +426,7 @@ fn misread(error: &Misread, table: &toml::Table) -> Problem {
     // Names of Rust types mean nothing to the author of a case.
     let message = error
         .message
+        .replace("unknown variant `", "unknown word `")
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number")
         .replace("expected usize", "expected a whole number");

@@ -166,21 +166,18 @@ impl Images {
         let placed_parts: Vec<&[[u32; 2]]> = (parts.iter())
             .filter_map(|part| rest.split_off(..part.len()))
             .collect();
-        (self
-            .of_links
-            .par_chunks_mut(AT_ONCE)
-            .zip(&parts)
-            .zip(placed_parts))
-        .enumerate()
-        .for_each(|(task, ((of_links, found), placed))| {
-            for (Found { image, .. }, [place, block]) in found.iter().zip(placed) {
-                let (link, side) = image.place();
-                of_links[link - task * AT_ONCE][side] = OfSide {
-                    image: *place,
-                    block: *block,
-                };
-            }
-        });
+        let by_task = self.of_links.par_chunks_mut(AT_ONCE);
+        (by_task.zip(&parts).zip(placed_parts).enumerate()).for_each(
+            |(task, ((of_links, found), placed))| {
+                for (Found { image, .. }, [place, block]) in found.iter().zip(placed) {
+                    let (link, side) = image.place();
+                    of_links[link - task * AT_ONCE][side] = OfSide {
+                        image: *place,
+                        block: *block,
+                    };
+                }
+            },
+        );
         (self.of_links.par_iter())
             .with_min_len(AT_ONCE)
             .map(|sides| sides.map(|side| side.get().is_none()))

@@ -279,8 +279,13 @@ pub(super) fn results(
         let why = "the canopy was not folded at the start";
         results.insert(&OPENING_FORCE_FACTOR, Quantity::missing(why));
     } else if wind {
+        let of_what = if scene.descent.is_some() {
+            "the mean drag of the slow end; a handbook's factor refers to the speed of release"
+        } else {
+            "the mean drag"
+        };
         let factor = Quantity::new(peak.1 / drag.value).with_note(&format!(
-            "C_x: largest drag of a sample interval, at {:.4} s, over the mean drag",
+            "C_x: largest drag of a sample interval, at {:.4} s, over {of_what}",
             peak.0
         ));
         results.insert(

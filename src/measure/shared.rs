@@ -77,7 +77,7 @@ rows! {
     VON_MISES_MAX: "von_mises_max_pa", "Pa", "largest von Mises stress of the fabric";
     SHEAR_STRESS_MAX: "shear_stress_max_pa", "Pa", "largest shear stress; between warp and weft";
     STRESS_MAX: "stress_max_pa", "Pa", "largest principal stress of the fabric";
-    DRAG_COEFFICIENT: "drag_coefficient", "1", "drag coefficient; drag by markers over ½ ρ U² and the reference area (S_0, flat area of a wing, length times width of a plate, that of a body)";
+    DRAG_COEFFICIENT: "drag_coefficient", "1", "drag coefficient; drag by markers, or at cut links, over ½ ρ U² and the reference area (S_0, flat area of a wing, length times width of a plate, that of a body)";
     LIFT_COEFFICIENT: "lift_coefficient", "1", "lift coefficient; on ½ ρ U² and the flat area of a wing, or the reference area of a body";
     PROJECTED_DIAMETER_RATIO: "projected_diameter_ratio", "1", "projected over nominal diameter; the root of the ratio of the areas";
     HEIGHT: "height_m", "m", "height of the canopy; its extent along the wind";
