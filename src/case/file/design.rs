@@ -61,7 +61,7 @@ pub struct CanopyDesign {
     pub lines: Option<String>,
     /// Tape on the seams by its name; `"nylon tape 13 mm, 250 lbf"` if absent.
     pub tapes: Option<String>,
-    /// State at release; `"folded"` if absent, with a payload alone `"hemispherical"`.
+    /// State at release; `"folded"` if absent, with a payload alone `"hemispherical"`, of a cruciform canopy `"open"`.
     pub start: Option<CanopyStart>,
     /// Whether a lateral spring keeps the apex on the axis, as tunnels do; a free canopy glides and swings. `true` if
     /// absent.
