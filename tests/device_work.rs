@@ -240,19 +240,13 @@ fn step_with_links() {
 
 const SPHERE: &str = include_str!("../cases/sphere.toml");
 
-/// Where no surface moves, places stay on the device, those of even and of odd steps: of cut links, numbers alone go there. A model of boundary layers asks for more cells in every fourth step.
+/// Where no surface moves, places stay on the device, those of even and of odd steps: of cut links, numbers alone go there. The host takes part for a model of boundary layers, which
+/// asks for more cells in every fourth step.
 fn step_with_standing_walls() {
-    for friction in ["none", "model"] {
-        standing_walls(friction);
-    }
-}
-
-fn standing_walls(friction: &str) {
     let device = own_device(Tuning::default());
-    let friction = format!("bodies.sphere.friction={friction}");
     let overrides = [
         "coupling.scheme=links",
-        &friction,
+        "bodies.sphere.friction=model",
         "resolution.operator=stabilised_regularised",
     ];
     let choices = Choices {

@@ -85,6 +85,7 @@ mod sheets;
 mod solver_account;
 mod sound;
 mod standard_error;
+mod standing_walls;
 mod supply_chain;
 mod supports;
 mod sweep;
@@ -195,6 +196,7 @@ fn main() -> std::process::ExitCode {
         solver_account::trials(),
         sound::trials(),
         standard_error::trials(),
+        standing_walls::trials(),
         validity::trials(),
         validate::trials(),
     ]

@@ -184,6 +184,11 @@ pub const OWN_STEP: [f64; 2] = [1e-5, 1e-6];
 /// The same after 42 of them: in folds little holds the fabric, and differences grow (up to 7e-5 and 1.4e-5).
 pub const OWN_STEPS: [f64; 2] = [5e-4, 1e-3];
 
+/// Impulses on walls along whose links a device answers by itself, against those of the CPU in single precision after 40 steps: round-off.
+pub const STANDING_WALLS: f64 = 1e-5;
+/// The difference of the defects of mass in the momentum box, over its mass.
+pub const STANDING_WALLS_MASS: f64 = 1e-8;
+
 /// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.
 pub const DEVICE_OPENING: f64 = 0.03;
 /// Diameter and impulse of a canopy after 0.01 s in a box of finer cells against finest cells throughout, in the same tunnel (2e-3): what 6 cells

@@ -3,6 +3,7 @@
 use libtest_mimic::Trial;
 use ripstop::case::{self, Choices, Scene};
 use ripstop::geometry::wing::section::Side;
+use ripstop::plan::{Plan, Precision};
 
 use crate::command_line::{Finished, ripstop, root};
 use crate::engines::plain;
@@ -14,6 +15,7 @@ pub fn trials() -> Vec<Trial> {
         plain("wing_design::where_no_line_holds_is_told", sail_support),
         plain("wing_design::profiles_come_from_files", profiles),
         plain("wing_design::panels_fly_as_designed", panel_shaping),
+        plain("wing_design::numbers_in_other_units_are_doubted", doubted),
     ]
     .into_iter()
     .flatten()
@@ -21,6 +23,80 @@ pub fn trials() -> Vec<Trial> {
 }
 
 const CASE: &str = "cases/wing-school.toml";
+
+/// What `check` says of the set-up of a case with a change.
+fn warnings(case: &str, change: Option<&str>) -> Vec<String> {
+    let choices = Choices {
+        variant: None,
+        overrides: change.into_iter().map(str::to_owned).collect(),
+    };
+    let case = case::load(&root().join(case), &choices).unwrap();
+    Plan::new(&case.scene, Precision::F32).warnings(&case.scene)
+}
+
+/// A number in another unit, or upside down, does not pass without a word; shipped wings do.
+fn doubted() {
+    for shipped in [
+        CASE,
+        "cases/wing-27.toml",
+        "cases/ram-air-parachute.toml",
+        "cases/parafoil-brake.toml",
+    ] {
+        let of_a_wing = |text: &String| text.contains("structure.wing") || text.contains("trim.");
+        let found = warnings(shipped, None);
+        assert!(!found.iter().any(of_a_wing), "{shipped}: {found:?}");
+    }
+    for (change, told) in [
+        ("equilibrium.trim.pilot_mass_kg=85000.0", "pilot_mass_kg"),
+        (
+            "gravity.acceleration_m_s2=[0.0, 0.0, -981.0]",
+            "gravity is 981",
+        ),
+        (
+            "equilibrium.trim.air_density_kg_m3=1.15e-3",
+            "air_density_kg_m3",
+        ),
+        (
+            "equilibrium.trim.pilot_drag_area_m2=45.0",
+            "pilot_drag_area_m2",
+        ),
+        (
+            "structure.wing.line_materials.main.mass_per_length_kg_m=1.3",
+            "line_materials.main has 1.3",
+        ),
+        (
+            "structure.wing.line_materials.gallery.diameter_m=0.008",
+            "line_materials.gallery has",
+        ),
+        (
+            "structure.wing.line_materials.main.breaking_load_n=2.3",
+            "line_materials.main breaks at 2.3 N",
+        ),
+        (
+            "structure.wing.fabrics.upper.youngs_modulus_pa=600.0",
+            "fabrics.upper has a stiffness",
+        ),
+        (
+            "structure.wing.fabrics.upper.thickness_m=0.05",
+            "fabrics.upper weighs",
+        ),
+        (
+            "structure.wing.fabrics.upper.density_kg_m3=0.038",
+            "fabrics.upper weighs",
+        ),
+        (
+            "structure.wing.hang_point_m=[1.04, 0.21, 6.2]",
+            "above the lowest rib",
+        ),
+        ("structure.wing.rows.A.position=0.6", "row B is sewn on"),
+    ] {
+        let found = warnings(CASE, Some(change));
+        assert!(
+            found.iter().any(|text| text.contains(told)),
+            "{change}: {found:?}"
+        );
+    }
+}
 
 struct Ran {
     output: Finished,
@@ -115,7 +191,7 @@ fn load_test() {
     let linear = of(after, "load_factor") / shares[after];
     assert!((failure / linear - 1.0).abs() < 0.1, "{failure} {linear}");
     let name = ran.note("load_test_first_failure_load_factor");
-    assert!(name.contains("A level 1 of rib "), "{name}");
+    assert!(name.contains("A level 1 from the wing of rib "), "{name}");
     // That very line is the first of the table of lines.
     let lines = ran.table("load_test_lines.csv");
     let first = lines.iter().max_by(|a, b| {

@@ -12,6 +12,7 @@ pub use super::body::{
 };
 pub use super::comparison::Comparison;
 pub use super::coupling::Coupling;
+use super::coupling::Scheme;
 pub use super::density::{LIQUID_KG_M3, SOUND_M_S};
 pub use super::descent::{CarriedMass, Carrier, Descent};
 pub use super::equilibrium::Equilibrium;
@@ -84,6 +85,23 @@ impl Scene {
     #[must_use]
     pub fn passes_through_a_face(&self) -> bool {
         self.rigid_bodies.iter().any(|body| !body.faces.is_empty())
+    }
+
+    /// True where the fabric is solved in steps. Fabric that is held everywhere is not, at cut links: there the air needs nothing but its velocity. Where fabric touches fabric is
+    /// looked for in solves.
+    #[must_use]
+    pub fn fabric_is_solved(&self) -> bool {
+        let Some(body) = &self.body else {
+            return false;
+        };
+        let structure = &body.structure;
+        let links = (self.coupling).is_some_and(|coupling| coupling.scheme == Scheme::Links);
+        let is_pulled = (self.wing()).is_some_and(|wing| !wing.pulls.is_empty());
+        !links
+            || structure.held.iter().any(|held| !held)
+            || structure.contact.is_some()
+            || !self.supports.is_empty()
+            || is_pulled
     }
 
     /// The canopy, if the structure is one.

@@ -159,6 +159,21 @@ impl Blocks {
         self.starts[block] as usize..self.starts[block + 1] as usize
     }
 
+    /// The space that a block looks at.
+    pub fn space(&self, block: usize) -> u32 {
+        self.spaces[block]
+    }
+
+    /// Sum of the weights of its sides.
+    pub fn weight(&self, block: usize) -> f64 {
+        self.weights[block]
+    }
+
+    /// Sums of the weights of all sides that look at each space.
+    pub fn weights_of_spaces(&self) -> &[f64] {
+        &self.weights_of_spaces
+    }
+
     /// What every side of each block gets by its weight. What passes along planes goes in equal parts to all sides that look at the same space, what is lost beyond it to those of the block.
     /// Returns what passes along planes in all spaces, loss and gain alike.
     pub fn share(&self, losses: &[LossOfBlock], given: &mut Vec<f64>) -> f64 {

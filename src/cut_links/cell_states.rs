@@ -117,50 +117,36 @@ impl Air {
 }
 
 /// States of all cells that are asked for, in the precision of the air.
-#[derive(Debug, Clone)]
-pub enum CellStates {
-    /// Single precision.
-    Single(Vec<CellState<f32>>),
-    /// Double precision.
-    Double(Vec<CellState<f64>>),
-}
-
-impl Default for CellStates {
-    fn default() -> Self {
-        Self::Single(Vec::new())
-    }
+#[derive(Debug, Clone, Default)]
+pub struct CellStates {
+    single: Vec<CellState<f32>>,
+    /// Empty where the air is in single precision.
+    double: Vec<CellState<f64>>,
 }
 
 impl CellStates {
     /// Room for those of air in single precision.
     pub fn single(&mut self) -> &mut Vec<CellState<f32>> {
-        if let Self::Double(_) = self {
-            *self = Self::default();
-        }
-        match self {
-            Self::Single(states) => states,
-            Self::Double(_) => unreachable!("they were made single"),
-        }
+        self.double.clear();
+        &mut self.single
     }
 
     /// Room for those of air in double precision.
     pub fn double(&mut self) -> &mut Vec<CellState<f64>> {
-        if let Self::Single(_) = self {
-            *self = Self::Double(Vec::new());
-        }
-        match self {
-            Self::Double(states) => states,
-            Self::Single(_) => unreachable!("they were made double"),
-        }
+        self.single.clear();
+        &mut self.double
     }
 
     /// Those in single precision, as a device has them; none in double precision.
     #[must_use]
     pub fn as_single(&self) -> &[CellState<f32>] {
-        match self {
-            Self::Single(states) => states,
-            Self::Double(_) => &[],
-        }
+        &self.single
+    }
+
+    /// Those in double precision; none in single precision.
+    #[must_use]
+    pub fn as_double(&self) -> &[CellState<f64>] {
+        &self.double
     }
 }
 

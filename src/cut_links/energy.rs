@@ -10,7 +10,7 @@
 ///
 /// *Measured, not derived*: with 1.5 a ram-air wing of 48 cells breaks down as it starts, with 2 sections do. Closed wings of 24 cells differ by 1 % of lift and 5 % of drag between 1.2 and 1.5
 /// (docs/results/2026-11-28-walls-that-take-no-energy.md).
-const LARGEST_SHARE: f64 = 1.25;
+pub const LARGEST_SHARE: f64 = 1.25;
 
 /// Energy that a side gives the air, by the share y of what slides that comes back; of the rest, 1 − y, comes what left.
 ///

@@ -40,6 +40,7 @@
 //! * [`boundary_layer`]: the stress that a wall along which the air slides gets from a model of layers thinner than a cell;
 //! * `modelled`: what such a model needs to know of the air;
 //! * [`stress`]: where that is taken from the air;
+//! * [`standing_walls`]: what a device needs to answer by itself where no wall moves;
 //! * [`spaces`]: which faces look at the same air.
 
 mod blocks;
@@ -60,6 +61,7 @@ pub mod search;
 pub mod slide;
 mod smoothing;
 pub mod spaces;
+pub mod standing_walls;
 pub mod stress;
 mod surroundings;
 pub mod through;
@@ -73,5 +75,6 @@ pub use images::Images;
 pub use pockets::Pockets;
 pub use reflections::Reflections;
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
+pub use standing_walls::StandingWalls;
 pub use stress::{Changed, ChangedByPair, Stress};
 pub use through::{Passage, Through};

@@ -11,10 +11,10 @@ use super::search::{CutLink, CutLinks};
 use crate::lattice::{DIRECTION_COUNT, WEIGHTS};
 
 /// Density excess over the cells around that the air shut in keeps: five times that of stagnation at 0.08 cells per step.
-const KEPT: f64 = 0.05;
+pub const KEPT: f64 = 0.05;
 
 /// Share of the rest that gets out in a step.
-const SHARE: f64 = 0.5;
+pub const SHARE: f64 = 0.5;
 
 /// Links that are cut at least.
 const CUT: u32 = DIRECTION_COUNT as u32 - 2;
@@ -58,10 +58,15 @@ impl Pockets {
         self.sides.sort_by_key(|side| cell_of(all, side));
     }
 
+    /// Cut links of each of them.
+    pub(super) fn each<'a>(&'a self, links: &'a [CutLink]) -> impl Iterator<Item = &'a [OnLink]> {
+        self.sides
+            .chunk_by(|a, b| cell_of(links, a) == cell_of(links, b))
+    }
+
     /// Lets out what is too much in them, by what left them and the cells around along `links`: changes what is added to populations at `rest`.
     pub fn relieve(&self, links: &[CutLink], returns: &[[Return; 2]], rest: &mut [[f64; 2]]) {
-        let is_same = |a: &OnLink, b: &OnLink| cell_of(links, a) == cell_of(links, b);
-        for sides in self.sides.chunk_by(is_same) {
+        for sides in self.each(links) {
             let sides = sides.iter().map(|&(link, side)| (link as usize, side));
             let (mut more, mut weight) = (0.0, 0.0);
             for (link, side) in sides.clone() {

@@ -64,7 +64,7 @@ pub(super) struct Image {
     /// α.
     strength: f64,
     /// β.
-    turned_round: f64,
+    pub(super) turned_round: f64,
     /// Number of the side's own cell, and those of the image's.
     pub(super) own: u32,
     pub(super) cells: [u32; CELLS_OF_AN_IMAGE],

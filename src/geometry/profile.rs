@@ -62,6 +62,21 @@ pub struct Profile {
     nose: usize,
 }
 
+/// True of a line with x and y whose decimals stand behind commas.
+fn has_decimal_commas(line: &str) -> bool {
+    let words = line.split([' ', '\t', ';']).filter(|word| !word.is_empty());
+    let decimal = |word: &str| {
+        word.split_once(',').is_some_and(|(whole, part)| {
+            let digits = |text: &str| text.chars().all(|c| c.is_ascii_digit());
+            let whole = whole.trim_start_matches(['-', '+']);
+            digits(whole) && digits(part) && !part.is_empty()
+        })
+    };
+    let words: Vec<&str> = words.collect();
+    let is_number = |word: &str| decimal(word) || word.parse::<f64>().is_ok();
+    words.len() == 2 && words.iter().all(|w| is_number(w)) && words.iter().any(|w| decimal(w))
+}
+
 impl Profile {
     /// A profile through points given from the lower trailing edge around the nose to the upper one, in chords. A trailing edge open by at
     /// most 0.05 chords is closed by shear, half on each side.
@@ -167,16 +182,28 @@ impl Profile {
 
     /// Reads a file of Selig's format: a title, then x and y per line from the upper trailing edge around the nose to the lower one.
     pub fn read(path: &Path) -> Result<Self, ProfileError> {
-        let text = std::fs::read_to_string(path).map_err(|e| ProfileError::File(e.to_string()))?;
-        Self::parse(&text)
+        let bytes = std::fs::read(path).map_err(|e| ProfileError::File(e.to_string()))?;
+        if bytes.contains(&0) {
+            return Err(ProfileError::Points(
+                "the file is not plain text, or in UTF-16: save it as plain text".to_owned(),
+            ));
+        }
+        // A title may have letters of any encoding.
+        Self::parse(&String::from_utf8_lossy(&bytes))
     }
 
     /// Reads the text of a file of Selig's format.
     pub fn parse(text: &str) -> Result<Self, ProfileError> {
         let mut points = Vec::new();
         for (number, line) in text.lines().enumerate() {
+            if has_decimal_commas(line) {
+                return Err(ProfileError::Line {
+                    line: number + 1,
+                    what: format!("decimal commas: write points, as in 0.5: `{}`", line.trim()),
+                });
+            }
             let numbers: Option<Vec<f64>> = line
-                .split([' ', '\t', ','])
+                .split([' ', '\t', ',', ';'])
                 .filter(|word| !word.is_empty())
                 .map(|word| word.parse().ok())
                 .collect();
@@ -412,6 +439,23 @@ mod tests {
         let read = Profile::parse(&text).unwrap();
         for (a, b) in read.resampled(20).iter().zip(whole.resampled(20)) {
             assert!(a.distance(b) < 2e-4, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn decimal_commas_are_told_with_their_line() {
+        let told = |text: &str| Profile::parse(text).unwrap_err().to_string();
+        for line in ["1,00000 0,00126", "1,0;0,00126", "1 -0,5"] {
+            let told = told(&format!("wing\n{line}\n"));
+            assert!(
+                told.contains("decimal commas") && told.contains('2'),
+                "{told}"
+            );
+        }
+        // Commas between numbers, and in a title.
+        for line in ["1.0,0.001", "NACA 2415,5"] {
+            let told = told(&format!("wing\n{line}\n"));
+            assert!(!told.contains("decimal"), "{told}");
         }
     }
 

@@ -12,6 +12,7 @@ pub fn all() -> Vec<Layout> {
         fluid::link_lists::OWN_LAYOUTS,
         fluid::parameters::OWN_LAYOUTS,
         fluid::repeat_plane::OWN_LAYOUTS,
+        fluid::standing_tables::OWN_LAYOUTS,
         immersed::OWN_LAYOUTS,
         multigrid::parameters::OWN_LAYOUTS,
     ]

@@ -90,6 +90,7 @@ shaders! {
     REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "marker.wgsl", "markers.wgsl", "plain_kernels.wgsl", "repeat_forcing.wgsl";
     REPEAT_FORCING_FOLDED = "repeat_forcing_folded":
         "threads.wgsl", "marker.wgsl", "markers.wgsl", "folded_kernels.wgsl", "repeat_forcing.wgsl";
+    STANDING_WALLS = "standing_walls": "threads.wgsl", "lattice.wgsl", "standing_walls.wgsl";
     EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     NODAL_FORCES = "nodal_forces":

@@ -50,7 +50,7 @@ static IS_DAMPED: When<Scene> = When {
 };
 
 fn moves(scene: &Scene) -> bool {
-    scene.body.is_some() && scene.time.is_some()
+    scene.fabric_is_solved() && scene.time.is_some()
 }
 
 columns! {

@@ -11,7 +11,7 @@ use crate::statics::Statics;
 
 static HAS_SOLVES: When<Scene> = When {
     words: "",
-    holds: |scene| scene.body.is_some() && scene.time.is_some(),
+    holds: |scene| scene.fabric_is_solved() && scene.time.is_some(),
 };
 
 columns! {

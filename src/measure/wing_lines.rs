@@ -32,7 +32,12 @@ impl LineName {
         };
         match self.kind {
             LineKind::Line { level, .. } => {
-                format!("{} level {}{ribs}, {}", self.row, level + 1, self.half)
+                format!(
+                    "{} level {} from the wing{ribs}, {}",
+                    self.row,
+                    level + 1,
+                    self.half
+                )
             }
             LineKind::Riser { .. } => format!("riser {}, {}", self.row, self.half),
             LineKind::Tape(_) => format!("{}, {}", self.row, self.half),

@@ -20,6 +20,7 @@ mod skips;
 pub mod stages;
 mod warnings;
 mod wing;
+mod wing_warnings;
 
 pub use crate::lattice::Storage;
 pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
@@ -31,7 +32,7 @@ pub use meshes::report as mesh_report;
 pub use phases::{Phase, phases};
 pub use placement::{AirPlacement, ClothPlacement, Placement, Precision};
 pub use skips::Skip;
-pub use stages::{PlannedStage, Stage};
+pub use stages::{PlannedStage, STEPS_OF_A_SERIES, Stage};
 
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow};
@@ -74,11 +75,14 @@ impl Plan {
             steps,
             sizes,
             step_hessian: initial_hessian::of_steps(scene),
-            evaluations: forecast::of(scene, &placement),
+            evaluations: scene
+                .fabric_is_solved()
+                .then(|| forecast::of(scene, &placement))
+                .flatten(),
             evaluation_limit: scene.solver.evaluation_limit,
             skips: skips::skips(scene)
                 .into_iter()
-                .chain(initial_hessian::skipped(scene))
+                .chain(initial_hessian::skipped(scene).filter(|_| scene.fabric_is_solved()))
                 .collect(),
             placement,
         }
@@ -96,6 +100,22 @@ impl Plan {
     pub fn reacts_on_device(&self) -> bool {
         let has = |stage| self.every(stage).is_some();
         has(Stage::SendMarkers) && !has(Stage::FetchAirVelocities)
+    }
+
+    /// True if a device answers along the cut links of walls that stand still by itself.
+    #[must_use]
+    pub fn walls_stand_on_device(&self) -> bool {
+        self.every(Stage::FetchWallForces).is_some()
+    }
+
+    /// True if a device may make series of steps of a scene by itself: nothing but the structure's state changes from step to step. Fabric must be small enough besides.
+    #[must_use]
+    pub fn may_make_series(&self, scene: &Scene) -> bool {
+        let alone = scene.descent.is_none()
+            && scene.supports.is_empty()
+            && scene.wing().is_none_or(|wing| wing.pulls.is_empty());
+        let walls = self.walls_stand_on_device() && !scene.passes_through_a_face();
+        walls || self.reacts_on_device() && alone
     }
 
     /// Steps while the wind rises, and from release to the end.

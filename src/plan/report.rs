@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::disk::megabytes;
 use super::{
-    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, friction, levels,
-    meshes, openings, permeability, phases, wing,
+    AirPlacement, ClothPlacement, Evaluations, Plan, STEPS_OF_A_SERIES, cadence, descent, disk,
+    friction, levels, meshes, openings, permeability, phases, wing,
 };
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
@@ -105,7 +105,7 @@ impl Plan {
             writeln!(out, "  fabric and cables   {place}")?;
         }
         if scene.time.is_some() {
-            self.write_stages(out)?;
+            self.write_stages(out, scene)?;
         }
         let sizes = &self.sizes;
         if let Some(air) = &scene.air {
@@ -271,7 +271,7 @@ impl Plan {
                 self.start_steps, self.steps
             )?;
         }
-        if let (Some(time), Some(_)) = (scene.time, &scene.body) {
+        if let (Some(time), true) = (scene.time, scene.fabric_is_solved()) {
             let order = match time.integration {
                 TimeIntegration::BackwardEuler => "backward Euler, of first order",
                 TimeIntegration::Bdf2 => "BDF2, of second order",
@@ -325,7 +325,7 @@ impl Plan {
         Ok(())
     }
 
-    fn write_stages(&self, out: &mut String) -> std::fmt::Result {
+    fn write_stages(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
         writeln!(out, "\nstages of a step")?;
         for planned in &self.stages {
             let cadence = if planned.every == 1 {
@@ -338,6 +338,16 @@ impl Plan {
                 "  {:<20} {}{cadence}",
                 planned.stage.name(),
                 planned.stage.flow()
+            )?;
+        }
+        if self.may_make_series(scene) {
+            let may = match self.walls_stand_on_device() {
+                true => "makes",
+                false => "may make, where one workgroup solves the fabric (docs/device-time.md),",
+            };
+            writeln!(
+                out,
+                "  the device {may} up to {STEPS_OF_A_SERIES} of these steps without the host"
             )?;
         }
         Ok(())

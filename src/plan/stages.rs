@@ -2,7 +2,7 @@
 
 use super::{Placement, steps_take_multigrid, structure_every};
 use crate::case::Scene;
-use crate::case::coupling::{Friction, Scheme};
+use crate::case::coupling::{Friction, NarrowOpenings, Scheme};
 
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +35,8 @@ pub enum Stage {
     FetchNodes,
     /// What comes back along cut links, with the velocity that the surfaces now have.
     Bounce,
+    /// Transfer: forces on walls that stand, along whose cut links a device answers by itself, from device to host.
+    FetchWallForces,
     /// Transfer: marker forces from host to device.
     SendMarkerForces,
     /// Exact opposite of that reaction, as a body force near the sheet.
@@ -51,7 +53,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of a step; where the device forms reactions itself, `spread` comes before `fetch_nodes`.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::EddyViscosity,
         Self::CollideStream,
         Self::CoarserLevels,
@@ -66,6 +68,7 @@ impl Stage {
         Self::SolveCloth,
         Self::FetchNodes,
         Self::Bounce,
+        Self::FetchWallForces,
         Self::SendMarkerForces,
         Self::Spread,
         Self::RepeatForcing,
@@ -84,6 +87,7 @@ impl Stage {
             Self::FindLinks => "find_links",
             Self::ReadLinks => "read_links",
             Self::Bounce => "bounce",
+            Self::FetchWallForces => "fetch_wall_forces",
             Self::SendMarkers => "send_markers",
             Self::Interpolate => "interpolate",
             Self::CollideAhead => "collide_ahead",
@@ -113,6 +117,7 @@ impl Stage {
             Self::FindLinks => "node positions -> cut links, distances of the cuts",
             Self::ReadLinks => "populations, cut links -> what left along them",
             Self::Bounce => "what left, node velocities -> populations that come back, forces",
+            Self::FetchWallForces => "forces on walls that stand, device -> host",
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
             Self::CollideAhead => "populations away from the structure -> those of the next step",
             Self::FetchLinks => "what left along cut links, device -> host",
@@ -136,6 +141,9 @@ impl Stage {
         }
     }
 }
+
+/// Most steps that a device makes by itself before it tells the host of them.
+pub const STEPS_OF_A_SERIES: u64 = 64;
 
 /// A stage and how often it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -188,14 +196,15 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         if collides_ahead(scene, placement) {
             add(Stage::CollideAhead, 1);
         }
-        if links && placement.air_on_device() {
+        let stand = walls_stand_on_device(scene, placement);
+        if links && placement.air_on_device() && !stand {
             add(Stage::FetchLinks, 1);
         }
         let reacts = reacts_on_device(scene, placement);
         if air_on_device && !reacts {
             add(Stage::FetchAirVelocities, 1);
         }
-        if scene.body.is_some() {
+        if scene.fabric_is_solved() {
             let every = structure_every(scene);
             if placement.cloth_on_device() {
                 add(Stage::SendNodes, every);
@@ -213,6 +222,9 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         }
         if links {
             add(Stage::Bounce, 1);
+        }
+        if stand {
+            add(Stage::FetchWallForces, 1);
         }
         if kernel && !reacts {
             add(Stage::Spread, 1);
@@ -249,6 +261,22 @@ fn reacts_on_device(scene: &Scene, placement: &Placement) -> bool {
         && !steps_take_multigrid(scene)
 }
 
+/// True where a device answers along cut links by itself: no surface moves, air neither passes one nor meets it in layers that are modelled.
+fn walls_stand_on_device(scene: &Scene, placement: &Placement) -> bool {
+    let links = (scene.coupling).is_some_and(|coupling| {
+        coupling.scheme == Scheme::Links && coupling.narrow_openings != Some(NarrowOpenings::Law)
+    });
+    let modelled = (scene.friction.as_ref()).is_some_and(|friction| friction.has(Friction::Model));
+    links
+        && placement.air_on_device()
+        && !scene.fabric_is_solved()
+        && (scene.body.as_ref()).is_none_or(|body| body.structure.permeability.is_none())
+        && scene.descent.is_none()
+        && !modelled
+        && (scene.rigid_bodies.iter())
+            .all(|body| !body.motion.moves() && body.permeability.is_none())
+}
+
 /// True where a device may begin the next step of cells that the structure does not touch. The host must have something to do meanwhile, and nothing that the
 /// structure does may act on all cells: no fall, no eddy viscosity from the gradients of all.
 fn collides_ahead(scene: &Scene, placement: &Placement) -> bool {
@@ -260,6 +288,7 @@ fn collides_ahead(scene: &Scene, placement: &Placement) -> bool {
         .eddy_viscosity
         .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some());
     placement.air_on_device()
+        && !walls_stand_on_device(scene, placement)
         && host_works
         && coupling.passes == 1
         && scene.descent.is_none()

@@ -1,6 +1,6 @@
 //! What a careful engineer would say about a scene before it runs.
 
-use super::Plan;
+use super::{Plan, wing_warnings};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 
@@ -29,6 +29,7 @@ impl Plan {
         warnings.extend(blockage(scene));
         warnings.extend(nominal_area(scene));
         warnings.extend(mass_of_fabric(scene));
+        warnings.extend(wing_warnings::warnings(scene));
         warnings.extend(self.device_tolerance(scene));
         warnings.extend(late_pictures(scene));
         warnings.extend(
@@ -36,7 +37,7 @@ impl Plan {
                 .and_then(|known| known.warning(self.evaluation_limit)),
         );
         let quality = scene.body.as_ref().and_then(|body| body.quality);
-        if quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
+        if scene.fabric_is_solved() && quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
             let remedy = if scene.wing().is_some() {
                 "use more edges across a cell, or fewer along the chord (structure.wing.mesh)"
             } else {

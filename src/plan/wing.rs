@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
+use super::wing_warnings;
 use crate::aero::potential_flow;
 use crate::case::Scene;
 use crate::case::coupling::Scheme;
@@ -107,7 +108,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         write_tunnel(out, scene, (wing, tunnel))?;
     }
     if let Some(settings) = &wing.trim {
-        write_trim(out, wing, settings)?;
+        write_trim(out, scene, (wing, settings))?;
     }
     if let Some(jumps_pa) = &wing.load_pa {
         let structure = &body.structure;
@@ -199,13 +200,23 @@ fn write_tunnel(
 }
 
 /// Unknowns of the air and what they take.
-fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::Result {
+fn write_trim(
+    out: &mut String,
+    scene: &Scene,
+    (wing, settings): (&Wing, &Settings),
+) -> std::fmt::Result {
     let skin = Skin::new(&wing.built, settings.panels_per_side, settings.strips);
     let (panels, strips) = (skin.panel_count(), skin.sections.len() - 1);
     writeln!(
         out,
         "  pilot               {} kg, drag area {} m2",
         settings.pilot_mass_kg, settings.pilot_drag_area_m2
+    )?;
+    let mass_kg = wing_warnings::flying_mass_kg(scene, settings);
+    writeln!(
+        out,
+        "  in flight           {mass_kg:.2} kg with wing and lines, {:.2} kg per m2 of the flat area",
+        mass_kg / wing.built.measures.flat_area_m2
     )?;
     writeln!(
         out,

@@ -56,7 +56,8 @@ fn table(sweep: &Sweep, chosen: &Chosen) -> Markup {
             @for run in &sweep.runs {
                 tr.missed[run.status == Status::Failed] {
                     @for key in &sweep.leading_keys { td { (sweep.value(run, key)) } }
-                    td { (run.status.name()) @if let Some(message) = &run.message { ": " (message) } }
+                    td { (run.status.name()) @if let Some(message) = &run.message { ": " (message) }
+                        @if !run.missed.is_empty() { " " span.mark title=(run.missed.join("; ")) { "not all was met" } } }
                     @for name in &chosen.results { td { @if let Some(found) = run.results.get(name) { (cell(found)) } } }
                 }
             }

@@ -15,6 +15,7 @@ use crate::gpu::DeviceError;
 use crate::immersed::markers::Marker;
 use crate::immersed::permeable::Permeable;
 use crate::immersed::touched::OutOfDomain;
+use crate::plan::Plan;
 use crate::units::Units;
 
 /// Air and structure, coupled.
@@ -63,13 +64,13 @@ impl Coupled {
         scene: &Scene,
         air: &Air,
         engine: &AirEngine,
-        coupling: &Coupling,
+        (coupling, plan): (&Coupling, &Plan),
     ) -> Result<Self, DeviceError> {
         Ok(match coupling.scheme {
             Scheme::Kernel => {
                 Self::Kernel(Box::new(KernelCoupling::new(scene, air, engine, coupling)?))
             }
-            Scheme::Links => Self::Links(Box::new(LinkCoupling::new(scene, air, engine))),
+            Scheme::Links => Self::Links(Box::new(LinkCoupling::new(scene, air, engine, plan))),
         })
     }
 

@@ -30,12 +30,14 @@ impl Simulation {
     pub(super) fn bounce(&mut self) -> Result<(), DeviceError> {
         let time_s = self.time_at(self.step + 1);
         let released = self.released();
+        let stand = self.plan.walls_stand_on_device();
         let (Some(air), Some(coupled)) = (&mut self.air, &mut self.coupled) else {
             return Ok(());
         };
         coupled.bounce(air.finest_mut(), self.cloth.as_ref(), time_s, released)?;
         self.largest_marker_motion = self.largest_marker_motion.max(coupled.fastest_marker());
-        if let (Some(impulses), true) = (&mut self.impulses, released) {
+        // The forces on walls that stand are fetched first.
+        if let (Some(impulses), true) = (&mut self.impulses, released && !stand) {
             impulses.add_delivered(coupled, time_s);
         }
         Ok(())

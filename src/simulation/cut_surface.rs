@@ -15,7 +15,7 @@ use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::{self, Seen};
 use crate::cut_links::{
     BoundaryLayers, CellState, ChangedByPair, Cut, CutLink, CutLinks, CutsByTriangle, Domain,
-    FacePressures, OutOfAir, Passage, Pockets, Return, SIDES, Through,
+    FacePressures, OutOfAir, Passage, Pockets, Return, SIDES, StandingWalls, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -188,7 +188,7 @@ impl CutSurface {
         self.sliding.as_ref().and_then(Sliding::layers)
     }
 
-    /// Mass that was given back to the air where it slides, since this surface was made, loss and gain alike [cells of density 1].
+    /// Mass that was given back to the air where it slides, since this surface was made, loss and gain alike [cells of density 1]. Nothing where a device answers by itself.
     #[must_use]
     pub fn mass_returned(&self) -> f64 {
         self.sliding.as_ref().map_or(0.0, Sliding::returned)
@@ -212,6 +212,15 @@ impl CutSurface {
         self.links.links()
     }
 
+    /// What a device needs to answer along them while the surface stands still, and no air passes it.
+    pub(super) fn standing(&self) -> StandingWalls<'_> {
+        StandingWalls {
+            links: &self.links,
+            images: self.sliding.as_ref().map(Sliding::images),
+            pockets: &self.pockets,
+        }
+    }
+
     /// Sorts their cuts by triangle.
     pub(super) fn sort_cuts(&mut self) {
         self.cuts.sort(&self.links, self.triangles.len());
@@ -222,7 +231,7 @@ impl CutSurface {
         &self.cuts
     }
 
-    /// Force on the air by the surface in the last `bounce`, cut by cut.
+    /// Force on the air by the surface in the last `bounce`, cut by cut. Nothing where a device answers by itself.
     pub fn forces(&self) -> impl Iterator<Item = (&Cut, DVec3)> {
         (0..self.links().len()).flat_map(|number| {
             let (forces, count) = self.forces_at(number);

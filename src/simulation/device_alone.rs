@@ -2,6 +2,8 @@
 //! them without the host: it places and sorts the markers, predicts the nodes, solves, and spreads. Every step leaves its nodes, u* and forces
 //! on the device, and one map brings those of the whole series. From them the host makes up its accounts, step by step, as if it had been there.
 //!
+//! Where nothing is in the air but walls that stand, it makes them without any structure, and leaves the forces on the walls.
+//!
 //! A series ends before somebody reads the air ([`Simulation::set_next_reading`], the clock of the stages); looks for a flow that breaks down wait for its end. Meanwhile the air is
 //! ahead of the host ([`Simulation::is_ahead`]). A run has the same bits whichever steps make up a series.
 //!
@@ -19,26 +21,32 @@ use crate::plan::Stage;
 impl Simulation {
     /// Steps that the device may make by itself now; 0 where the host is needed first.
     fn own_steps_now(&self) -> u64 {
-        let (Some(own_steps), Some(coupled), Some(cloth)) =
-            (&self.own_steps, &self.coupled, &self.cloth)
-        else {
+        let (Some(own_steps), Some(coupled)) = (&self.own_steps, &self.coupled) else {
             return 0;
         };
         let wanted = (self.device.as_ref()).is_some_and(|device| device.tuning().goes_ahead);
-        let may = self.released() && !own_steps.need_host(self.step) && self.steps_alike(cloth);
-        if !wanted || !may {
+        if !wanted || !self.released() || own_steps.need_host(self.step) {
             return 0;
         }
-        let fastest = FASTER * coupled.fastest_of_fabric(cloth);
-        let by_room = (f64::from(ROOM) / fastest.max(f64::MIN_POSITIVE)) as u64;
-        let Some(next_reading) = self.next_reading else {
+        let most = match &self.cloth {
+            // Where links reach the faces of the momentum box, what crosses them is summed after each bounce.
+            _ if self.plan.walls_stand_on_device() => (self.impulses.as_ref())
+                .filter(|impulses| impulses.holds(coupled))
+                .map_or(0, |_| MOST),
+            Some(cloth) if self.steps_alike(cloth) => {
+                let fastest = FASTER * coupled.fastest_of_fabric(cloth);
+                let by_room = (f64::from(ROOM) / fastest.max(f64::MIN_POSITIVE)) as u64;
+                by_room.min(self.cloth_engine.most_own_steps())
+            }
+            _ => 0,
+        };
+        let Some(next_reading) = self.next_reading.filter(|_| most > 0) else {
             return 0;
         };
         let next = self.step + 1;
         let ends = [
             self.border_behind(next),
-            self.step.saturating_add(by_room),
-            self.step.saturating_add(self.cloth_engine.most_own_steps()),
+            self.step.saturating_add(most),
             // What is to be read now is read after the next step.
             next_reading.max(next),
             self.next_timed_step(),
@@ -73,20 +81,29 @@ impl Simulation {
 
     /// Has the device begin with a series, if it may.
     pub(super) fn begin_own_steps(&mut self) -> Result<(), Failure> {
+        let stand = self.plan.walls_stand_on_device();
+        if stand {
+            self.find_links()?;
+        }
         let steps = self.own_steps_now();
         if steps == 0 {
             return Ok(());
         }
         let mut asked = self.device_work();
-        self.begin_solve();
-        let begun = self.with_fabric(|engine, cloth, input, settings| {
-            engine.begin_own_steps((cloth, input), settings, steps as usize)
-        });
-        begun.transpose()?;
+        if !stand {
+            self.begin_solve();
+            let begun = self.with_fabric(|engine, cloth, input, settings| {
+                engine.begin_own_steps((cloth, input), settings, steps as usize)
+            });
+            begun.transpose()?;
+        }
         for further in 0..steps {
             self.make_own_step(further, &mut asked)?;
         }
-        self.cloth_engine.submit_own_steps()?;
+        match &mut self.air {
+            Some(air) if stand => Coupled::ask_wall_forces(air.finest_mut()),
+            _ => self.cloth_engine.submit_own_steps()?,
+        }
         if let Some(own_steps) = &mut self.own_steps {
             own_steps.began = self.step;
             own_steps.made = Some(self.step + steps);
@@ -108,6 +125,11 @@ impl Simulation {
         air.coarser_levels(None)?;
         impulses.add_outflow(air.finest(), coupled)?;
         let Some(kernel) = coupled.kernel_mut() else {
+            self.count_device_work(Stage::CollideStream, asked);
+            self.read_links()?;
+            self.count_device_work(Stage::ReadLinks, asked);
+            self.bounce()?;
+            self.count_device_work(Stage::Bounce, asked);
             return Ok(());
         };
         let enclosed = if further == 0 {
@@ -130,6 +152,9 @@ impl Simulation {
 
     /// Accounts for the next of the steps that the device has made.
     pub(super) fn account_own_step(&mut self) -> Result<(), Failure> {
+        if self.plan.walls_stand_on_device() {
+            return self.account_step_at_walls();
+        }
         let mut asked = self.device_work();
         self.add_delivered();
         let (outcome, at_markers) = self.cloth_engine.take_own_step()?;
@@ -154,6 +179,22 @@ impl Simulation {
         self.begin_solve();
         self.end_on_device(Some(outcome), &at_markers)?;
         self.count_device_work(Stage::FetchNodes, &mut asked);
+        self.accumulate()?;
+        self.count_device_work(Stage::Measure, &mut asked);
+        self.cost.own_steps += 1;
+        self.end_step(true)
+    }
+
+    /// The same of a step in which nothing but walls that stand was in the air.
+    fn account_step_at_walls(&mut self) -> Result<(), Failure> {
+        let mut asked = self.device_work();
+        self.gather_drags();
+        self.take_wall_forces()?;
+        self.count_device_work(Stage::FetchWallForces, &mut asked);
+        let next = self.step + 1;
+        if let Some(own_steps) = &mut self.own_steps {
+            own_steps.made = own_steps.made.filter(|made| *made > next);
+        }
         self.accumulate()?;
         self.count_device_work(Stage::Measure, &mut asked);
         self.cost.own_steps += 1;

@@ -277,14 +277,19 @@ impl Impulses {
         }
     }
 
+    /// True unless cut links may change what crosses the faces of the box.
+    pub(super) fn holds(&self, coupled: &Coupled) -> bool {
+        let volume = self.balance.volume();
+        coupled.kernel().is_some() || coupled.touches_only(volume.first, volume.end)
+    }
+
     /// Adds what crosses the faces of the box in this step, before the stage `bounce`. False, and nothing is done, where cut links may change that.
     pub(super) fn add_outflow(
         &mut self,
         air: &AirEngine,
         coupled: &Coupled,
     ) -> Result<bool, DeviceError> {
-        let volume = self.balance.volume();
-        let holds = coupled.kernel().is_some() || coupled.touches_only(volume.first, volume.end);
+        let holds = self.holds(coupled);
         if holds {
             self.balance.add_step(air)?;
             self.outflows_ahead += 1;

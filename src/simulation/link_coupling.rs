@@ -29,6 +29,7 @@ use crate::cut_links::{OutOfAir, Passage};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
 use crate::lattice::nest::{CHANGED_BY_LAYERS, EXCHANGED_CELLS};
+use crate::plan::{Plan, Stage};
 use crate::units::Units;
 
 /// Surfaces that cut the lattice: first that of the fabric, then what shuts its narrow openings, then those of the rigid bodies.
@@ -43,6 +44,8 @@ pub struct LinkCoupling {
     bodies: Vec<Body>,
     /// Which body every triangle behind the fabric's belongs to.
     body_of: Vec<u32>,
+    /// All stands still, and a device answers along the links by itself.
+    stands: bool,
     /// Of the nodes [cells, cells per step].
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
@@ -67,7 +70,7 @@ fn covers_of(scene: &Scene, units: &Units) -> Vec<Cover> {
 const TRIANGLES_AT_ONCE: usize = 128;
 
 impl LinkCoupling {
-    pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine) -> Self {
+    pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine, plan: &Plan) -> Self {
         let units = air.units;
         let passage = |permeability: Option<Permeability>| {
             permeability.map_or(Passage::Shut, |permeability| {
@@ -125,7 +128,7 @@ impl LinkCoupling {
         let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
         cut_bodies::place(&bodies, 0.0, lattice, &mut positions);
         let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from));
-        let surface = match scene.body {
+        let surface = match plan.every(Stage::SolveCloth) {
             Some(_) => surface,
             None => surface.rigid(),
         };
@@ -152,6 +155,7 @@ impl LinkCoupling {
             covers,
             bodies,
             body_of,
+            stands: plan.walls_stand_on_device(),
             positions,
             velocities: vec![DVec3::ZERO; nodes],
             reactions: Vec::new(),
@@ -278,6 +282,9 @@ impl LinkCoupling {
 
     /// Stage `read_links`; on the host, where nothing has to be fetched, `fetch_links` with it.
     pub(super) fn read_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
+        if self.stands {
+            return self.read_walls(air);
+        }
         self.surface.read_links(air)?;
         match air {
             AirEngine::Gpu(_) => Ok(()),
@@ -442,31 +449,56 @@ impl LinkCoupling {
         time_s: f64,
         released: bool,
     ) -> Result<(), DeviceError> {
+        if let (AirEngine::Gpu(fluid), true) = (&mut *air, self.stands) {
+            return fluid.answer_walls();
+        }
         self.take_velocities(cloth, time_s, released);
         self.surface.bounce(air, &self.velocities)?;
         self.sum_forces(time_s);
         Ok(())
     }
 
-    /// Adds the forces up.
-    fn sum_forces(&mut self, time_s: f64) {
-        let points: Vec<DVec3> = (self.bodies.iter())
+    /// Moment points of the bodies at `time_s` [cells].
+    pub(super) fn moment_points(&self, time_s: f64) -> Vec<DVec3> {
+        (self.bodies.iter())
             .map(|body| {
                 let place_m = body.motion.at(time_s).position_m(body.moment_point_m);
                 DVec3::from_array(self.units.position_to_lattice(place_m))
             })
-            .collect();
+            .collect()
+    }
+
+    /// Number of the body that a triangle belongs to; `None` for fabric.
+    pub(super) fn body_of(&self, triangle: u32) -> Option<usize> {
+        let of_body = (triangle as usize).checked_sub(self.fabric_triangles)?;
+        Some(self.body_of[of_body] as usize)
+    }
+
+    /// Takes what a device found that the air did to the fabric, and to every body; nothing where no link is cut.
+    pub(super) fn take_loads(&mut self, mut loads: impl Iterator<Item = Load>) {
+        let of_fabric = loads.next().unwrap_or_default();
+        self.loads.fill(Load::default());
+        for (own, load) in self.loads.iter_mut().zip(loads) {
+            *own = load;
+        }
+        self.fabric_force_on_air = of_fabric.force.map(|force| -force);
+        let of_bodies = self.loads.iter().map(|load| DVec3::from_array(load.force));
+        let all = DVec3::from_array(of_fabric.force) + of_bodies.sum::<DVec3>();
+        self.force_on_air = (-all).to_array();
+    }
+
+    /// Adds the forces up.
+    fn sum_forces(&mut self, time_s: f64) {
+        let points = self.moment_points(time_s);
         let of_part = |links: Range<usize>| {
             let (mut total, mut of_fabric) = (DVec3::ZERO, DVec3::ZERO);
             let mut loads = vec![Load::default(); points.len()];
             self.surface.each_force(links, |cut, force| {
                 total += force;
-                let Some(of_body) = (cut.triangle as usize).checked_sub(self.fabric_triangles)
-                else {
+                let Some(body) = self.body_of(cut.triangle) else {
                     of_fabric += force;
                     return;
                 };
-                let body = self.body_of[of_body] as usize;
                 let arm = self.surface.at(cut, &self.positions) - points[body];
                 loads[body].add(&Load {
                     force: (-force).to_array(),

@@ -37,6 +37,7 @@ mod parts;
 mod permeable;
 mod reach;
 mod sliding;
+mod standing_walls;
 mod state;
 mod statics;
 mod structure_state;
@@ -200,6 +201,7 @@ impl Simulation {
     ) -> Result<Self, Failure> {
         let mut coupled = match (&scene.air, &air, &scene.coupling) {
             (Some(air), Some(engine), Some(coupling)) => {
+                let coupling = (coupling, &plan);
                 Some(Coupled::new(&scene, air, engine.finest(), coupling)?)
             }
             _ => None,
@@ -328,6 +330,7 @@ impl Simulation {
                 Stage::CollideAhead => self.collide_ahead()?,
                 Stage::FetchLinks => self.fetch_links()?,
                 Stage::Bounce => self.bounce()?,
+                Stage::FetchWallForces => self.fetch_wall_forces()?,
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
                 Stage::FetchAirVelocities => self.fetch_air_velocities()?,
@@ -367,6 +370,7 @@ impl Simulation {
                 | Stage::ReadLinks
                 | Stage::FetchLinks
                 | Stage::Bounce
+                | Stage::FetchWallForces
                 | Stage::SendMarkers
                 | Stage::Interpolate
                 | Stage::FetchAirVelocities

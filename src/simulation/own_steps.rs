@@ -6,11 +6,11 @@ use crate::case::Scene;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::gpu::DeviceError;
-use crate::plan::Plan;
+use crate::plan::{Plan, STEPS_OF_A_SERIES};
 use crate::solve::lbfgs::Outcome;
 
 /// Most steps of a series: it reaches over no border, which are so many steps apart. Lattices of all levels stand at one time there.
-pub(super) const MOST: u64 = 64;
+pub(super) const MOST: u64 = STEPS_OF_A_SERIES;
 
 /// Cells that markers have room to move in during a series, and times as fast as they are now they may become for it. So they may always move by a quarter of a cell in a
 /// step, in the mean, which is what `ripstop check` allows.
@@ -36,18 +36,19 @@ pub(super) struct OwnSteps {
 }
 
 impl OwnSteps {
-    /// `None` where the device needs the host in every step. The markers must follow its nodes then.
+    /// `None` where the device needs the host in every step. A device with markers has to place them at its nodes itself.
     pub(super) fn new(
         (scene, plan): (&Scene, &Plan),
         coupled: Option<&mut Coupled>,
         engine: &ClothEngine,
     ) -> Result<Option<Self>, DeviceError> {
-        let alone = scene.descent.is_none()
-            && scene.supports.is_empty()
-            && scene.wing().is_none_or(|wing| wing.pulls.is_empty());
-        let nodes = engine
-            .nodes_on_device()
-            .filter(|_| alone && plan.reacts_on_device());
+        if !plan.may_make_series(scene) {
+            return Ok(None);
+        }
+        if plan.walls_stand_on_device() {
+            return Ok(Some(Self::default()));
+        }
+        let nodes = engine.nodes_on_device();
         let Some((nodes, kernel)) = nodes.zip(coupled.and_then(Coupled::kernel_mut)) else {
             return Ok(None);
         };

@@ -121,6 +121,11 @@ impl Sliding {
         }
     }
 
+    /// Images of the links.
+    pub(super) const fn images(&self) -> &Images {
+        &self.images
+    }
+
     /// At which sides of every link the air sticks.
     pub(super) fn stick(&self) -> &[[bool; 2]] {
         self.images.stick()
@@ -158,9 +163,9 @@ impl Sliding {
         returns: &mut [[Return; 2]],
     ) {
         let states = std::mem::take(&mut self.states);
-        match &states {
-            CellStates::Single(cells) => self.answer_by(cells, shape, velocity, returns),
-            CellStates::Double(cells) => self.answer_by(cells, shape, velocity, returns),
+        match states.as_double() {
+            [] => self.answer_by(states.as_single(), shape, velocity, returns),
+            cells => self.answer_by(cells, shape, velocity, returns),
         }
         self.states = states;
     }

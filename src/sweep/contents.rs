@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::vary::{Point, Vary};
-use crate::output::{ComparisonRow, Results, Summary};
+use crate::output::{AccountRow, ComparisonRow, Results, Summary};
 
 /// How a run of a sweep ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,6 +53,9 @@ pub struct Outcome {
     pub cell_size_m: Option<f64>,
     /// Its results; empty before it is done.
     pub results: Results,
+    /// Rows of its account that were not met, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub missed: Vec<String>,
     /// Results beside the values of others, as the run alone judges them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub comparison: Vec<ComparisonRow>,
@@ -70,6 +73,7 @@ impl Outcome {
             message: None,
             cell_size_m,
             results: Results::new(),
+            missed: Vec::new(),
             comparison: Vec::new(),
         }
     }
@@ -79,6 +83,8 @@ impl Outcome {
         self.status = Status::Done;
         self.message = None;
         self.results = summary.results.clone();
+        let missed = (summary.account.iter()).filter(|row| row.reached == Some(false));
+        self.missed = missed.map(AccountRow::line).collect();
         self.comparison.clone_from(&summary.comparison);
     }
 }

@@ -44,7 +44,8 @@ pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
             .iter()
             .map(|key| sweep.value(run, key).replace('|', "\\|"))
             .collect();
-        cells.push(run.status.name().to_owned());
+        let mark = if run.missed.is_empty() { "" } else { " †" };
+        cells.push(format!("{}{mark}", run.status.name()));
         cells.extend(chosen.results.iter().map(|name| {
             let known = run.results.get(name).cloned();
             let quantity = known.unwrap_or_else(|| Quantity::missing(""));
@@ -65,6 +66,19 @@ pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
     }
     if unsupported {
         text += "\n\\* unresolved: the set-up of that run does not support it; the validity in its summary.json says why\n";
+    }
+    let missed: Vec<&Outcome> = (sweep.runs.iter())
+        .filter(|run| !run.missed.is_empty())
+        .collect();
+    if !missed.is_empty() {
+        text += &format!(
+            "\n† trust: NOT ALL WAS MET in {} of {} runs:\n\n",
+            missed.len(),
+            sweep.runs.len()
+        );
+    }
+    for run in missed {
+        text += &format!("* {}: {}\n", run.folder, run.missed.join("; "));
     }
     for run in &sweep.runs {
         if let Some(message) = &run.message {

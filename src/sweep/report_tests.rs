@@ -63,6 +63,22 @@ speed_m_s=30,belts=absent: it broke down
 }
 
 #[test]
+fn runs_whose_account_was_not_met_are_marked() {
+    let mut sweep = sweep();
+    sweep.runs[1].missed = vec!["residual stiffness: NOT MET".to_owned()];
+    let text = markdown(&sweep, &Chosen::default());
+    let row = format!("* {}: residual stiffness: NOT MET\n", sweep.runs[1].folder);
+    for expected in [
+        "| 20 | absent | done † |",
+        "† trust: NOT ALL WAS MET in 1 of 4 runs:",
+        &row,
+    ] {
+        assert!(text.contains(expected), "{text}");
+    }
+    assert_eq!(text.matches('†').count(), 2);
+}
+
+#[test]
 fn files_hold_all_runs_and_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let before = sweep();

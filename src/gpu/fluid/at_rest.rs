@@ -62,6 +62,11 @@ impl AtRest {
         self.starts.len().saturating_sub(1)
     }
 
+    /// Numbers of what is added to each cell, in the order of cells.
+    pub(super) fn parts(&self) -> impl Iterator<Item = &[(u32, u32)]> {
+        (self.starts.windows(2)).map(|bounds| &self.order[bounds[0] as usize..bounds[1] as usize])
+    }
+
     /// Elements of the cells.
     pub(super) fn elements(&self) -> impl Iterator<Item = u32> {
         self.starts[..self.count()]

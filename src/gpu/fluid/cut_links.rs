@@ -17,7 +17,7 @@ fn listed((array, element): Place) -> Listed {
 }
 
 impl Fluid {
-    fn lists(&mut self) -> Result<LinkLists, DeviceError> {
+    pub(super) fn lists(&mut self) -> Result<LinkLists, DeviceError> {
         match self.link_lists.take() {
             Some(lists) => Ok(lists),
             None => LinkLists::new(&self.device, self.storage),
@@ -35,26 +35,11 @@ impl Fluid {
         if links.is_empty() {
             return Ok(());
         }
-        let places = Places::new(self.grid, &self.setup, self.odd);
         let mut lists = self.lists()?;
+        self.lay_read_links(&mut lists, (search, links), self.odd)?;
         let list = &mut lists.read_links[usize::from(self.odd)];
-        if !list.is_of(search, 4 * links.len()) {
-            // What left, and the further population; what left twice where there is none.
-            lists.places.resize(4 * links.len(), Listed::default());
-            (lists.places.par_chunks_mut(4).zip(links))
-                .with_min_len(AT_ONCE)
-                .for_each(|(listed_places, link)| {
-                    for side in SIDES {
-                        let out = places.out(link, side);
-                        let further = places.further(link, side).unwrap_or(out);
-                        listed_places[2 * side] = listed(out);
-                        listed_places[2 * side + 1] = listed(further);
-                    }
-                });
-            list.lay(&self.device, &self.populations, search, &lists.places)?;
-        }
         list.read(&self.device, 4 * links.len());
-        self.lay_bounce(&mut lists, (search, links), changed)?;
+        self.lay_bounce(&mut lists, (search, links), changed, self.odd)?;
         self.link_lists = Some(lists);
         Ok(())
     }
@@ -97,22 +82,9 @@ impl Fluid {
         if count == 0 {
             return Ok(());
         }
-        let places = Places::new(self.grid, &self.setup, self.odd);
         let mut lists = self.lists()?;
+        self.lay_read_images(&mut lists, (search, cells), self.odd)?;
         let list = &mut lists.read_images[usize::from(self.odd)];
-        let laid = DIRECTION_COUNT * cells.len();
-        if !list.is_of(search, laid) {
-            lists.places.resize(laid, Listed::default());
-            (lists.places.par_chunks_mut(DIRECTION_COUNT).zip(cells))
-                .with_min_len(AT_ONCE)
-                .for_each(|(listed_places, cell)| {
-                    let place = places.leaving(*cell);
-                    for (direction, listed_place) in listed_places.iter_mut().enumerate() {
-                        *listed_place = listed(place(direction));
-                    }
-                });
-            list.lay(&self.device, &self.populations, search, &lists.places)?;
-        }
         list.read(&self.device, DIRECTION_COUNT * count);
         self.link_lists = Some(lists);
         Ok(())
@@ -142,16 +114,68 @@ impl Fluid {
         Ok(())
     }
 
+    /// Lays out the places of stage `read_links` for an `odd` step or an even one. They are those of what left, and of the further population or what left again.
+    pub(super) fn lay_read_links(
+        &self,
+        lists: &mut LinkLists,
+        (search, links): (u64, &[CutLink]),
+        odd: bool,
+    ) -> Result<(), DeviceError> {
+        let places = Places::new(self.grid, &self.setup, odd);
+        let list = &mut lists.read_links[usize::from(odd)];
+        if list.is_of(search, 4 * links.len()) {
+            return Ok(());
+        }
+        lists.places.resize(4 * links.len(), Listed::default());
+        (lists.places.par_chunks_mut(4).zip(links))
+            .with_min_len(AT_ONCE)
+            .for_each(|(listed_places, link)| {
+                for side in SIDES {
+                    let out = places.out(link, side);
+                    let further = places.further(link, side).unwrap_or(out);
+                    listed_places[2 * side] = listed(out);
+                    listed_places[2 * side + 1] = listed(further);
+                }
+            });
+        list.lay(&self.device, &self.populations, search, &lists.places)
+    }
+
+    /// The same of what left the `cells` of images in all directions.
+    pub(super) fn lay_read_images(
+        &self,
+        lists: &mut LinkLists,
+        (search, cells): (u64, &[[i32; 3]]),
+        odd: bool,
+    ) -> Result<(), DeviceError> {
+        let places = Places::new(self.grid, &self.setup, odd);
+        let list = &mut lists.read_images[usize::from(odd)];
+        let laid = DIRECTION_COUNT * cells.len();
+        if list.is_of(search, laid) {
+            return Ok(());
+        }
+        lists.places.resize(laid, Listed::default());
+        (lists.places.par_chunks_mut(DIRECTION_COUNT).zip(cells))
+            .with_min_len(AT_ONCE)
+            .for_each(|(listed_places, cell)| {
+                let place = places.leaving(*cell);
+                for (direction, listed_place) in listed_places.iter_mut().enumerate() {
+                    *listed_place = listed(place(direction));
+                }
+            });
+        list.lay(&self.device, &self.populations, search, &lists.places)
+    }
+
     /// Lays out the places of stage `bounce`: both sides of every link, populations at rest, and those that are changed along open links.
-    fn lay_bounce(
+    pub(super) fn lay_bounce(
         &self,
         lists: &mut LinkLists,
         (search, links): (u64, &[CutLink]),
         [at_rest, moving @ ..]: &ChangedByPair,
+        odd: bool,
     ) -> Result<(), DeviceError> {
-        let places = Places::new(self.grid, &self.setup, self.odd);
+        let places = Places::new(self.grid, &self.setup, odd);
         lists.at_rest.lay(&places, (search, links), at_rest);
-        let list = &mut lists.bounce[usize::from(self.odd)];
+        let list = &mut lists.bounce[usize::from(odd)];
         let sides = 2 * links.len();
         let changes = moving.iter().map(Vec::len).sum::<usize>();
         let count = sides + lists.at_rest.count() + changes;

@@ -3,6 +3,7 @@
 
 use super::at_rest::AtRest;
 use super::names::by_number;
+use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline};
@@ -36,6 +37,8 @@ pub(super) struct List {
     name: &'static str,
     pipeline: Pipeline,
     reads: bool,
+    /// Room for so many times the populations that there are, when it is made anew.
+    spare: usize,
     room: Option<Room>,
     /// Number of the search for links that the places were made of, and how many there are.
     made_of: (u64, usize),
@@ -81,6 +84,7 @@ impl LinkLists {
                 name,
                 pipeline: pipeline.clone(),
                 reads,
+                spare: SPARE,
                 room: None,
                 made_of: (0, 0),
             })
@@ -93,6 +97,21 @@ impl LinkLists {
             numbers: Vec::new(),
             at_rest: AtRest::default(),
         })
+    }
+}
+
+impl LinkLists {
+    /// Without room to spare, and without what brings numbers to the host: where walls stand, places are laid once, and the device answers by itself.
+    pub(super) fn standing(mut self) -> Self {
+        let all = [
+            &mut self.read_links,
+            &mut self.read_images,
+            &mut self.bounce,
+        ];
+        for list in all.into_iter().flatten() {
+            (list.reads, list.spare) = (false, 1);
+        }
+        self
     }
 }
 
@@ -117,7 +136,7 @@ impl List {
                 device,
                 populations,
                 &self.pipeline,
-                (SPARE * count, self.reads),
+                (self.spare * count, self.reads),
             )?,
         };
         let parameters = LinkParameters {
@@ -131,15 +150,27 @@ impl List {
         Ok(())
     }
 
+    /// Records that the first `count` populations are read, or that the numbers of all of them are written.
+    pub(super) fn record(&self, device: &Device, pass: &mut Pass<'_>, count: usize) {
+        if let Some(room) = &self.room {
+            let groups = device.workgroups(count as u64);
+            room.bound.dispatch(pass, groups);
+        }
+    }
+
+    /// What was read, or what is to be written; `None` before places were laid.
+    pub(super) fn on_device(&self) -> Option<&wgpu::Buffer> {
+        self.room.as_ref().map(|room| &room.numbers)
+    }
+
     /// Submits that the first `count` populations are read; [`List::numbers`] waits for them.
     pub(super) fn read(&mut self, device: &Device, count: usize) {
-        let Some(room) = &mut self.room else { return };
         let mut commands = device.record(self.name);
         {
             let mut pass = commands.pass(self.name);
-            let groups = device.workgroups(count as u64);
-            room.bound.dispatch(&mut pass, groups);
+            self.record(device, &mut pass, count);
         }
+        let Some(room) = &mut self.room else { return };
         if let Some(staging) = &room.staging {
             let bytes = 4 * count as u64;
             staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
@@ -175,8 +206,7 @@ impl List {
         let mut commands = device.record(self.name);
         {
             let mut pass = commands.pass(self.name);
-            let groups = device.workgroups(numbers.len() as u64);
-            room.bound.dispatch(&mut pass, groups);
+            self.record(device, &mut pass, numbers.len());
         }
         device.leave(commands);
     }

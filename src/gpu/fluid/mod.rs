@@ -4,6 +4,7 @@
 //! a choice between two bind groups.
 
 mod absorbing_faces;
+mod answers;
 mod at_rest;
 mod awaited;
 mod collide_ahead;
@@ -19,6 +20,8 @@ mod names;
 pub mod parameters;
 mod read_back;
 pub mod repeat_plane;
+pub mod standing_tables;
+pub mod standing_walls;
 pub mod transfer;
 
 use std::sync::Arc;
@@ -38,6 +41,7 @@ use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, F16_SCALE, Storage};
 use absorbing_faces::AbsorbingFaces;
+use answers::Answers;
 use awaited::Awaited;
 pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
@@ -67,6 +71,8 @@ pub struct Fluid {
     absorbing_faces: Option<AbsorbingFaces>,
     /// `None` until surfaces cut links.
     link_lists: Option<LinkLists>,
+    /// `None` unless the device answers along cut links by itself.
+    answers: Option<Answers>,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity>,
     read_back: ReadBack,
@@ -172,6 +178,7 @@ impl Fluid {
             boundaries,
             absorbing_faces,
             link_lists: None,
+            answers: None,
             held_eddy_viscosity,
             read_back,
             inlet_profile,
