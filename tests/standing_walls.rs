@@ -29,7 +29,7 @@ type Scene = (&'static str, &'static str, &'static [&'static str]);
 
 const STICKING: Scene = (SPHERE, "quick", &["coupling.scheme=\"links\""]);
 
-/// Two bodies, with moment points beside them.
+/// Bodies with moment points beside them; the smallest shuts a cell in.
 const SLIDING: Scene = (
     SPHERE,
     "quick",
@@ -40,6 +40,7 @@ const SLIDING: Scene = (
         "resolution.cell_size_m=0.0125",
         "bodies.sphere.reference.moment_point_m=[0.22, 0.25, 0.1]",
         "bodies.smaller={position_m=[0.4, 0.3, 0.2], sphere={diameter_m=0.06}, friction=\"none\", reference={moment_point_m=[0.4, 0.1, 0.2]}}",
+        "bodies.of_one_cell={position_m=[0.40625, 0.40625, 0.30625], sphere={diameter_m=0.015}, reference={moment_point_m=[0.4, 0.1, 0.2]}}",
         "resolution.operator=\"stabilised_regularised\"",
     ],
 );

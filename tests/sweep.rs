@@ -221,7 +221,7 @@ fn one_fails() {
     let text = read("sweep.md");
     assert_eq!(first.printed.lines().next(), text.lines().next());
     assert!(text.contains("| 2000 | done | "), "{text}");
-    assert!(text.contains("| 1 | failed | "), "{text}");
+    assert!(text.contains("| 1 | failed † | "), "{text}");
     assert!(read("sweep.csv").starts_with("equilibrium.evaluation_limit,folder,status,"));
     let json: serde_json::Value = serde_json::from_str(&read("sweep.json")).unwrap();
     let good = &json["runs"][1];
