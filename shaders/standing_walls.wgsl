@@ -186,20 +186,23 @@ fn slid(image: StandingImage) -> Slid {
     return result;
 }
 
+// First image of a block, and the end of its images; none of a number beyond the blocks.
+fn images_of(block: u32) -> vec2<u32> {
+    if block < standing.blocks {
+        return vec2<u32>(blocks[block].first, blocks[block].end);
+    }
+    return vec2<u32>();
+}
+
 // A workgroup for every block.
 @compute @workgroup_size(WORKGROUP)
 fn reflect(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32) {
     let number = group.y * groups.x + group.x;
-    var first = 0u;
-    var end = 0u;
-    if number < standing.blocks {
-        first = blocks[number].first;
-        end = blocks[number].end;
-    }
+    let range = images_of(number);
     // Of energy free and square; mass lost along a plane, and all.
     var own = vec4<f32>();
-    for (var i = first + local; i < end; i += WORKGROUP) {
+    for (var i = range.x + local; i < range.y; i += WORKGROUP) {
         let found = slid(images[i]);
         own += vec4<f32>(found.free, found.square, found.along, found.out - found.back);
         reflected[i] = vec3<f32>(found.out, found.back, found.velocity);
@@ -209,7 +212,7 @@ fn reflect(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     if all.y > 0.0 {
         share = clamp(all.x / all.y, 0.0, LARGEST_SHARE);
     }
-    for (var i = first + local; i < end; i += WORKGROUP) {
+    for (var i = range.x + local; i < range.y; i += WORKGROUP) {
         let out = reflected[i].x;
         reflected[i].y = out + share * (reflected[i].y - out);
     }
@@ -295,14 +298,9 @@ fn answer(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 fn lose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32) {
     let number = group.y * groups.x + group.x;
-    var first = 0u;
-    var end = 0u;
-    if number < standing.blocks {
-        first = blocks[number].first;
-        end = blocks[number].end;
-    }
+    let range = images_of(number);
     var own = vec4<f32>();
-    for (var i = first + local; i < end; i += WORKGROUP) {
+    for (var i = range.x + local; i < range.y; i += WORKGROUP) {
         own.x += left[images[i].side];
     }
     let all = summed(local, own).x;

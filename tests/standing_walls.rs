@@ -250,6 +250,8 @@ fn plans() {
         let of_operator = ["resolution.operator=\"stabilised_regularised\"", further];
         assert!(!stands(STICKING, &of_operator, on_device()), "{further}");
     }
+    let by_a_law = ["coupling.narrow_openings=\"law\""];
+    assert!(!stands(OF_CELLS, &by_a_law, on_device()));
     let loose = ["structure.wing.tunnel.held=\"attachments\""];
     assert!(!stands(OF_CELLS, &loose, on_device()));
     // What is held everywhere is solved on no engine.

@@ -1,6 +1,7 @@
 //! What a wing has that no paraglider, kite or ram-air parachute has: mostly a number in another unit.
 //!
-//! The ranges are wide on purpose. They leave out what would be meant, and catch a factor of a thousand, degrees for radians, and what is upside down.
+//! The ranges are wide on purpose. They leave out what would be meant, and catch a factor of a thousand, degrees for radians, and what is upside down. Usual values are orders of
+//! magnitude as makers of wings, cloth and lines give them; nothing is computed with them.
 
 use std::f64::consts::FRAC_PI_4;
 use std::ops::RangeInclusive;

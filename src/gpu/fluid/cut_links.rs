@@ -17,7 +17,7 @@ fn listed((array, element): Place) -> Listed {
 }
 
 impl Fluid {
-    pub(super) fn lists(&mut self) -> Result<LinkLists, DeviceError> {
+    fn lists(&mut self) -> Result<LinkLists, DeviceError> {
         match self.link_lists.take() {
             Some(lists) => Ok(lists),
             None => LinkLists::new(&self.device, self.storage),
