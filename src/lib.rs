@@ -40,7 +40,7 @@
 //! | *`fetch_air_velocities`* | u*, a_k | host | `immersed/interpolate.rs` |
 //! | `solve_cloth` | u*, loads | node positions and velocities | `cloth/solve_cloth.rs` |
 //! | `bounce` | node velocities, what left | populations that come back | `fluid/cut_links.rs` |
-//! | *`fetch_wall_forces`* | forces on walls that stand | host | `fluid/standing_walls.rs` |
+//! | *`fetch_wall_forces`* | forces on walls that are not solved for | host | `fluid/force_sums.rs` |
 //! | *`send_marker_forces`* | marker forces | device | `immersed/spread.rs` |
 //! | `spread` | marker velocities, u* | body force near the sheet | `immersed/spread.rs` |
 //! | `repeat_forcing`, *`fetch_marker_forces`* | slip left at rigid bodies | more body force | `immersed/repeat_forcing.rs` |
@@ -49,10 +49,10 @@
 //! Air and fabric are placed separately ([`plan::Placement`]), each in `cpu/` or in `gpu/`, where the files carry the same names;
 //! `shaders/` holds the device's kernels under those names too. Stages in italics are transfers, in the plan only where a device
 //! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric). `collide_ahead`, too, is in the plan only there; the next `collide_stream` has the cells that are left.
-//! Along cut links of bodies that stand still a device answers by itself: then nothing is fetched but the forces on them (`gpu/fluid/standing_walls.rs`).
+//! Along cut links of bodies a device answers by itself: then nothing is fetched but the forces on them (`gpu/fluid/standing_walls.rs`, `gpu/fluid/moving_walls.rs`).
 //! Where one device has both and plain markers, it forms their reactions and forces itself (`gpu/cloth/marker_reactions.rs`, `simulation/meeting.rs`). `spread` comes before `fetch_nodes` then,
 //! which brings what the host's accounts need, and nothing else is fetched or sent at markers. Where nothing but the structure changes from step to step, it makes series
-//! of steps by itself (`simulation/device_alone.rs`), and the host makes up the accounts afterwards.
+//! of steps by itself (`simulation/device_alone.rs`), at cut links, too (`simulation/cut_fabric.rs`), and the host makes up the accounts afterwards.
 //!
 //! Boxes of cells half as large ([`simulation::Levels`], `docs/refinement.md`) exchange what they know with the lattice around them after two of
 //! their steps (`fluid/transfer/`, `fluid/transfer.rs`).

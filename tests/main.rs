@@ -65,6 +65,7 @@ mod mesh_seams;
 mod meshes;
 mod module_graph;
 mod motion;
+mod moving_walls;
 mod nodes;
 mod out_of_memory;
 mod own_steps;
@@ -136,6 +137,7 @@ fn main() -> std::process::ExitCode {
         mesh_findings::trials(),
         mesh_seams::trials(),
         motion::trials(),
+        moving_walls::trials(),
         nodes::trials(),
         energy::trials(),
         out_of_memory::trials(),

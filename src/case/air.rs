@@ -57,6 +57,18 @@ impl Air {
         nest::depth(&self.boxes)
     }
 
+    /// True if it repeats along an axis.
+    #[must_use]
+    pub const fn repeats_somewhere(&self) -> bool {
+        match &self.flow {
+            Flow::WindTunnel { sides, .. } => {
+                let [y, z] = sides.repeat();
+                y || z
+            }
+            Flow::TaylorGreen { .. } => true,
+        }
+    }
+
     /// Size of the box [m].
     #[must_use]
     pub fn box_m(&self) -> DVec3 {

@@ -18,21 +18,22 @@ use super::Triangle;
 pub const REACH: f64 = 0.5;
 
 /// Cosine of the turn between two triangles from which they share nothing.
-const LEAST_COSINE: f64 = 0.5;
+pub const LEAST_COSINE: f64 = 0.5;
 
 /// Triangles that one task works on.
 const TRIANGLES_AT_ONCE: usize = 512;
 
 /// A triangle that shares with another.
 #[derive(Debug, Clone, Copy)]
-struct Member {
-    triangle: u32,
-    /// Area as it was cut.
-    area: f64,
+pub struct Member {
+    /// The triangle.
+    pub triangle: u32,
+    /// Area as it was cut [cells²].
+    pub area: f64,
     /// Which of the members the way to it passes last; itself of the triangle that shares.
-    via: u32,
+    pub via: u32,
     /// Where the other one stands among its own members.
-    back: u32,
+    pub back: u32,
 }
 
 /// The triangles that share, each with itself among them.
@@ -195,6 +196,12 @@ impl Patches {
     #[must_use]
     pub fn shares(&self, triangle: u32) -> bool {
         (triangle as usize) < self.count() && self.range(triangle as usize).len() > 1
+    }
+
+    /// Where those who share with each triangle begin, one more at the end; and who they are, itself the first.
+    #[must_use]
+    pub fn members(&self) -> (&[u32], &[Member]) {
+        (&self.starts, &self.members)
     }
 
     /// Triangles that share with one, itself among them, the mean over the sheet.

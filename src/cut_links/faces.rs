@@ -9,10 +9,13 @@ use super::search::CutLink;
 use crate::lattice::WEIGHTS;
 
 /// Share of a step that a face's pressure takes of what its links see: sound and single cells pass, the opening of a pleat stays.
-const NEW_SHARE: f64 = 0.3;
+pub const NEW_SHARE: f64 = 0.3;
 
 /// Steps of carrying on to nodes without links, in every step of the air.
-const CARRIED: usize = 3;
+pub const CARRIED: usize = 3;
+
+/// Links that a node has hardly any share in tell nothing of it: sum of their weights.
+pub const LEAST_WEIGHT: f64 = 1e-4;
 
 /// Triangles that one task works on.
 const TRIANGLES_AT_ONCE: usize = 128;
@@ -143,24 +146,29 @@ impl FacePressures {
                     *excess += NEW_SHARE * (now - *excess);
                 }
             }
-            for _ in 0..CARRIED {
-                for node in 0..self.excess.len() {
-                    let around = self.neighbours.of(node);
-                    if !self.has_links(node, face) && !around.is_empty() {
-                        let sum: f64 = (around.iter())
-                            .map(|other| self.excess[*other as usize][face])
-                            .sum();
-                        self.excess[node][face] = sum / around.len() as f64;
-                    }
+        }
+        for _ in 0..CARRIED {
+            self.carry();
+        }
+    }
+
+    /// Carries pressures on by a node, from all at once: none is ahead by its number.
+    fn carry(&mut self) {
+        let before = self.excess.clone();
+        for node in 0..before.len() {
+            let around = self.neighbours.of(node);
+            for face in SIDES {
+                if self.has_links(node, face) || around.is_empty() {
+                    continue;
                 }
+                let of_others = around.iter().map(|other| before[*other as usize][face]);
+                self.excess[node][face] = of_others.sum::<f64>() / around.len() as f64;
             }
         }
     }
 
     fn has_links(&self, node: usize, face: usize) -> bool {
-        /// Links that a node has hardly any share in tell nothing of it.
-        const LEAST: f64 = 1e-4;
-        self.weights[node][face] > LEAST
+        self.weights[node][face] > LEAST_WEIGHT
     }
 
     /// Density excess between two layers on a link: the mean of the faces that look at each other.

@@ -18,7 +18,7 @@ static NEXT_SEARCH: AtomicU64 = AtomicU64::new(1);
 /// By how much the whole surface is moved, so that no cell's centre lies on a sheet along the lattice [cells]. It would lie before it for one link and
 /// behind it for another. Along the stream it is moved farthest. So a plate across it, with its middle and edges at cells' centres or midway between them, cuts as many links that rise as ones that fall,
 /// and has no force along itself. Moved less along the stream than across it, a square plate of 24 cells had a lift coefficient of 0.022.
-const GENERAL_POSITION: DVec3 = DVec3::new(3.9e-5, 2.7e-5, 1.2e-5);
+pub const GENERAL_POSITION: DVec3 = DVec3::new(3.9e-5, 2.7e-5, 1.2e-5);
 
 /// Triangles and links that one task works on.
 const TRIANGLES_AT_ONCE: usize = 64;
@@ -209,7 +209,7 @@ impl Domain {
     }
 
     /// Refuses nodes that stand where the surface may not.
-    fn holds(&self, positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), OutOfAir> {
+    pub fn holds(&self, positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), OutOfAir> {
         let closed = self.open_from.unwrap_or(triangles.len());
         let kept = self.kept as f64;
         for &node in triangles[..closed.min(triangles.len())].iter().flatten() {

@@ -10,6 +10,7 @@ pub fn all() -> Vec<Layout> {
         cloth::parameters::OWN_LAYOUTS,
         fluid::control_volume::OWN_LAYOUTS,
         fluid::link_lists::OWN_LAYOUTS,
+        fluid::moving_tables::OWN_LAYOUTS,
         fluid::parameters::OWN_LAYOUTS,
         fluid::repeat_plane::OWN_LAYOUTS,
         fluid::standing_tables::OWN_LAYOUTS,

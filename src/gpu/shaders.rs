@@ -91,6 +91,8 @@ shaders! {
     REPEAT_FORCING_FOLDED = "repeat_forcing_folded":
         "threads.wgsl", "marker.wgsl", "markers.wgsl", "folded_kernels.wgsl", "repeat_forcing.wgsl";
     STANDING_WALLS = "standing_walls": "threads.wgsl", "lattice.wgsl", "standing_walls.wgsl";
+    FIND_LINKS = "find_links": "threads.wgsl", "found_links.wgsl", "lines.wgsl", "find_links.wgsl";
+    MOVING_WALLS = "moving_walls": "threads.wgsl", "found_links.wgsl", "moving_walls.wgsl";
     EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     NODAL_FORCES = "nodal_forces":
@@ -111,6 +113,8 @@ shaders! {
         "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "marker.wgsl", "marker_reactions.wgsl";
     SORT_MARKERS = "sort_markers": "threads.wgsl", "cloth.wgsl", "marker.wgsl", "sort_markers.wgsl";
     FABRIC_MOTION = "fabric_motion": "threads.wgsl", "cloth.wgsl", "minimiser_state.wgsl", "fabric_motion.wgsl";
+    CUT_FABRIC = "cut_fabric":
+        "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "found_links.wgsl", "lines.wgsl", "cut_fabric.wgsl";
     MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimiser_state.wgsl", "minimiser.wgsl", "minimise.wgsl";
     SMALL_CLOTH = "small_cloth":
         "threads.wgsl", "cloth.wgsl", "minimiser_state.wgsl", "minimiser.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "elements.wgsl",

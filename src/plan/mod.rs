@@ -102,9 +102,9 @@ impl Plan {
         has(Stage::SendMarkers) && !has(Stage::FetchAirVelocities)
     }
 
-    /// True if a device answers along the cut links of walls that stand still by itself.
+    /// True if a device answers along cut links by itself, of walls that nobody solves for.
     #[must_use]
-    pub fn walls_stand_on_device(&self) -> bool {
+    pub fn answers_on_device(&self) -> bool {
         self.every(Stage::FetchWallForces).is_some()
     }
 
@@ -114,8 +114,9 @@ impl Plan {
         let alone = scene.descent.is_none()
             && scene.supports.is_empty()
             && scene.wing().is_none_or(|wing| wing.pulls.is_empty());
-        let walls = self.walls_stand_on_device() && !scene.passes_through_a_face();
-        walls || self.reacts_on_device() && alone
+        let walls = self.answers_on_device() && !scene.passes_through_a_face();
+        walls
+            || (self.reacts_on_device() || stages::cuts_on_device(scene, &self.placement)) && alone
     }
 
     /// Steps while the wind rises, and from release to the end.

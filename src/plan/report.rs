@@ -341,7 +341,7 @@ impl Plan {
             )?;
         }
         if self.may_make_series(scene) {
-            let may = match self.walls_stand_on_device() {
+            let may = match self.answers_on_device() {
                 true => "makes",
                 false => "may make, where one workgroup solves the fabric (docs/device-time.md),",
             };

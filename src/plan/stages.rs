@@ -3,6 +3,7 @@
 use super::{Placement, steps_take_multigrid, structure_every};
 use crate::case::Scene;
 use crate::case::coupling::{Friction, NarrowOpenings, Scheme};
+use crate::case::scene::Air;
 
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +36,7 @@ pub enum Stage {
     FetchNodes,
     /// What comes back along cut links, with the velocity that the surfaces now have.
     Bounce,
-    /// Transfer: forces on walls that stand, along whose cut links a device answers by itself, from device to host.
+    /// Transfer: forces on walls along whose cut links a device answers by itself, from device to host.
     FetchWallForces,
     /// Transfer: marker forces from host to device.
     SendMarkerForces,
@@ -117,7 +118,7 @@ impl Stage {
             Self::FindLinks => "node positions -> cut links, distances of the cuts",
             Self::ReadLinks => "populations, cut links -> what left along them",
             Self::Bounce => "what left, node velocities -> populations that come back, forces",
-            Self::FetchWallForces => "forces on walls that stand, device -> host",
+            Self::FetchWallForces => "forces on walls, device -> host",
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
             Self::CollideAhead => "populations away from the structure -> those of the next step",
             Self::FetchLinks => "what left along cut links, device -> host",
@@ -196,8 +197,8 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         if collides_ahead(scene, placement) {
             add(Stage::CollideAhead, 1);
         }
-        let stand = walls_stand_on_device(scene, placement);
-        if links && placement.air_on_device() && !stand {
+        let answers = answers_on_device(scene, placement);
+        if links && placement.air_on_device() && !answers {
             add(Stage::FetchLinks, 1);
         }
         let reacts = reacts_on_device(scene, placement);
@@ -223,7 +224,7 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         if links {
             add(Stage::Bounce, 1);
         }
-        if stand {
+        if answers {
             add(Stage::FetchWallForces, 1);
         }
         if kernel && !reacts {
@@ -261,20 +262,72 @@ fn reacts_on_device(scene: &Scene, placement: &Placement) -> bool {
         && !steps_take_multigrid(scene)
 }
 
-/// True where a device answers along cut links by itself: no surface moves, air neither passes one nor meets it in layers that are modelled.
-fn walls_stand_on_device(scene: &Scene, placement: &Placement) -> bool {
+/// Longest edge of triangles whose links a device finds by itself [cells]. A thread goes over all lines that may pass one, and places on it are in single precision.
+const LONGEST_EDGE: f64 = 16.0;
+
+/// True where the triangles of all surfaces are so small.
+fn are_small(scene: &Scene) -> bool {
+    let Some(air) = &scene.air else {
+        return false;
+    };
+    let longest_m2 = (LONGEST_EDGE * air.units.cell_size_m).powi(2);
+    let fabric = scene.body.iter().flat_map(|body| &body.structure.triangles);
+    let mut of_fabric = fabric.flat_map(|triangle| triangle.rest_squares_m2);
+    let mut of_bodies = scene.rigid_bodies.iter().flat_map(|body| {
+        let corners = body.surface.triangles.iter();
+        corners.flat_map(|nodes| {
+            let [a, b, c] = body.surface.corners(*nodes);
+            [(a, b), (b, c), (c, a)].map(|(from, to)| from.distance_squared(to))
+        })
+    });
+    of_fabric.all(|square| square <= longest_m2) && of_bodies.all(|square| square <= longest_m2)
+}
+
+/// True where a device answers along cut links by itself: no fabric is solved, air neither passes a surface nor meets it in layers that are modelled. Where bodies move, it finds the links,
+/// too: air sticks to all of them, and they stay away from faces that they could pass through, and from sides that repeat, and their triangles are small.
+fn answers_on_device(scene: &Scene, placement: &Placement) -> bool {
     let links = (scene.coupling).is_some_and(|coupling| {
         coupling.scheme == Scheme::Links && coupling.narrow_openings != Some(NarrowOpenings::Law)
     });
-    let modelled = (scene.friction.as_ref()).is_some_and(|friction| friction.has(Friction::Model));
+    let has = |wanted| (scene.friction.as_ref()).is_some_and(|friction| friction.has(wanted));
+    let moves = scene.rigid_bodies.iter().any(|body| body.motion.moves());
+    let finds = !has(Friction::None)
+        && !scene.passes_through_a_face()
+        && !(scene.air.as_ref()).is_some_and(Air::repeats_somewhere)
+        && are_small(scene);
     links
         && placement.air_on_device()
         && !scene.fabric_is_solved()
         && (scene.body.as_ref()).is_none_or(|body| body.structure.permeability.is_none())
         && scene.descent.is_none()
-        && !modelled
-        && (scene.rigid_bodies.iter())
-            .all(|body| !body.motion.moves() && body.permeability.is_none())
+        && !has(Friction::Model)
+        && scene
+            .rigid_bodies
+            .iter()
+            .all(|body| body.permeability.is_none())
+        && (!moves || finds)
+}
+
+/// True where a device that has air and fabric may find the links that the fabric cuts, and answer along them, by itself: fabric alone, to which the air sticks and which lets nothing through, away
+/// from sides that repeat.
+pub(super) fn cuts_on_device(scene: &Scene, placement: &Placement) -> bool {
+    let (Some(body), Some(coupling), Some(air)) = (&scene.body, &scene.coupling, &scene.air) else {
+        return false;
+    };
+    let slides = (scene.friction.as_ref())
+        .is_some_and(|friction| friction.has(Friction::None) || friction.has(Friction::Model));
+    coupling.scheme == Scheme::Links
+        && placement.air_on_device()
+        && placement.cloth_on_device()
+        && scene.fabric_is_solved()
+        && structure_every(scene) == 1
+        && scene.rigid_bodies.is_empty()
+        && body.structure.permeability.is_none()
+        && coupling.narrow_openings != Some(NarrowOpenings::Law)
+        && !slides
+        && !air.repeats_somewhere()
+        && are_small(scene)
+        && !steps_take_multigrid(scene)
 }
 
 /// True where a device may begin the next step of cells that the structure does not touch. The host must have something to do meanwhile, and nothing that the
@@ -288,7 +341,7 @@ fn collides_ahead(scene: &Scene, placement: &Placement) -> bool {
         .eddy_viscosity
         .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some());
     placement.air_on_device()
-        && !walls_stand_on_device(scene, placement)
+        && !answers_on_device(scene, placement)
         && host_works
         && coupling.passes == 1
         && scene.descent.is_none()

@@ -315,7 +315,7 @@ impl Simulation {
 }
 
 /// What acts in a step; with k > 1 the implicit step spans k steps of the air, but the positions advance step by step.
-fn step_input<'a>(
+pub(super) fn step_input<'a>(
     scene: &Scene,
     coupled: Option<&'a Coupled>,
     (gravity_m_s2, drags, moved_supports): (Option<DVec3>, &'a [NodalDrag], &'a [(u32, DVec3)]),

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::air::{apart, needed};
+use crate::cloth::patches::Patches;
 use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
-use crate::gpu::cloth::{AtMarkers, MarkersInAir, NodesOnDevice};
+use crate::gpu::cloth::{AirScales, AtCuts, AtMarkers, LinksInAir, MarkersInAir, NodesOnDevice};
 use crate::gpu::{self, Device, DeviceError};
 use crate::plan::ClothPlacement;
 use crate::solve::lbfgs::{Outcome, Watch};
@@ -244,7 +245,52 @@ impl ClothEngine {
         }
     }
 
-    /// Records the next of them, at markers whose air is known.
+    /// From now on a device may make steps by itself of fabric that cuts links; false where it may not.
+    pub(super) fn follow_cuts(
+        &mut self,
+        cloth: &Cloth,
+        air: (&AirScales, Option<&Patches>),
+    ) -> Result<bool, DeviceError> {
+        match self {
+            Self::Host => Ok(false),
+            Self::Device(engine) => engine.cloth.follow_cuts(&cloth.structure, air),
+        }
+    }
+
+    /// Has it begin with at most so many of them, from the present state on; `met` are the density excess on both faces of every node, and buffers of the air.
+    pub(super) fn begin_cut_steps(
+        &mut self,
+        (cloth, input): (&Cloth, &StepInput),
+        settings: &SolverSettings,
+        most: usize,
+        met: (&[[f64; 2]], &LinksInAir<'_>),
+    ) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => {
+                let settings = engine.limited(input, settings);
+                (engine.cloth).begin_cut_steps((cloth, input), &settings, most, met)
+            }
+        }
+    }
+
+    /// Records where their nodes stand among the cells.
+    pub(super) fn place_among_cells(&self) -> Result<(), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => engine.cloth.place_among_cells(),
+        }
+    }
+
+    /// What the next of them did; [`Self::fetch_nodes`] is to follow.
+    pub(super) fn take_cut_step(&mut self) -> Result<(Outcome, AtCuts), DeviceError> {
+        match self {
+            Self::Host => Err(apart()),
+            Self::Device(engine) => engine.cloth.take_cut_step(),
+        }
+    }
+
+    /// Records the next of them, at markers whose air is known or at links of which is known what left.
     pub(super) fn make_own_step(&mut self) -> Result<(), DeviceError> {
         match self {
             Self::Host => Err(apart()),

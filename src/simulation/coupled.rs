@@ -113,7 +113,7 @@ impl Coupled {
     pub fn point_count(&self) -> usize {
         match self {
             Self::Kernel(kernel) => kernel.immersed().marker_count(),
-            Self::Links(links) => links.surface().links().len(),
+            Self::Links(links) => links.link_count(),
         }
     }
 

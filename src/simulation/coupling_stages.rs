@@ -5,12 +5,8 @@ use crate::gpu::DeviceError;
 
 impl Simulation {
     pub(super) fn find_links(&mut self) -> Result<(), Failure> {
-        let time_s = self.time_at(self.step + 1);
-        let Some(coupled) = &mut self.coupled else {
-            return Ok(());
-        };
-        let found = coupled.find_links(self.cloth.as_ref(), time_s);
-        self.still_inside(found)
+        self.place_surfaces(self.step)?;
+        Ok(self.find_links_on_device(self.step, false)?)
     }
 
     pub(super) fn read_links(&mut self) -> Result<(), DeviceError> {
@@ -30,14 +26,14 @@ impl Simulation {
     pub(super) fn bounce(&mut self) -> Result<(), DeviceError> {
         let time_s = self.time_at(self.step + 1);
         let released = self.released();
-        let stand = self.plan.walls_stand_on_device();
+        let answered = self.plan.answers_on_device();
         let (Some(air), Some(coupled)) = (&mut self.air, &mut self.coupled) else {
             return Ok(());
         };
         coupled.bounce(air.finest_mut(), self.cloth.as_ref(), time_s, released)?;
         self.largest_marker_motion = self.largest_marker_motion.max(coupled.fastest_marker());
-        // The forces on walls that stand are fetched first.
-        if let (Some(impulses), true) = (&mut self.impulses, released && !stand) {
+        // Forces that a device sums are fetched first.
+        if let (Some(impulses), true) = (&mut self.impulses, released && !answered) {
             impulses.add_delivered(coupled, time_s);
         }
         Ok(())

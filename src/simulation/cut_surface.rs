@@ -1,5 +1,7 @@
 //! A surface of triangles that cuts links of the air's lattice, in lattice units ([`crate::cut_links`]): stages `find_links`, `read_links`, `fetch_links` and `bounce`.
 
+mod reach;
+
 use std::ops::Range;
 
 use glam::DVec3;
@@ -8,6 +10,7 @@ use rayon::prelude::*;
 use super::air::AirEngine;
 use super::bodies::normal_of;
 use super::sliding::{LayersIn, NOTHING, Sliding};
+use super::surface_box::NOWHERE;
 use super::wall_velocities::WallVelocities;
 use crate::case::coupling::Friction;
 use crate::cloth::patches::Patches;
@@ -23,9 +26,6 @@ use crate::lattice::WEIGHTS;
 /// Links, and triangles, that one task works on.
 const LINKS_AT_ONCE: usize = 512;
 const TRIANGLES_AT_ONCE: usize = 512;
-
-/// Least and largest places of no cell.
-const NOWHERE: [[i32; 3]; 2] = [[i32::MAX; 3], [i32::MIN + 1; 3]];
 
 /// Links whose forces are summed together; part of the result, since sums are rounded part by part.
 const LINKS_OF_A_PART: usize = 4096;
@@ -271,33 +271,6 @@ impl CutSurface {
     /// What every side of every link takes of the air's momentum by modelled boundary layers; empty without any.
     fn taken(&self) -> &[[DVec3; 2]] {
         self.sliding.as_ref().map_or(&[][..], Sliding::taken)
-    }
-
-    /// True if the cells of all links, those behind them, and those that lose the stress of boundary layers, lie in the box of cells `first..end`.
-    #[must_use]
-    pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
-        let [low, high] = self.reach;
-        (0..3).all(|a| low[a] > first[a] as i32 && high[a] + 1 < end[a] as i32)
-    }
-
-    /// First cell and end of the box of cells whose populations the stage `bounce` may write, those that leave for a neighbour among them; `None` where nothing is cut.
-    #[must_use]
-    pub fn touched(&self) -> Option<[[i32; 3]; 2]> {
-        let [low, high] = self.reach;
-        (low[0] <= high[0]).then(|| [low.map(|place| place - 1), high.map(|place| place + 2)])
-    }
-
-    /// Least and largest places of these cells; [`NOWHERE`] if there are none.
-    fn find_reach(&self) -> [[i32; 3]; 2] {
-        let both = |one: [[i32; 3]; 2], other: [[i32; 3]; 2]| {
-            [
-                std::array::from_fn(|a| one[0][a].min(other[0][a])),
-                std::array::from_fn(|a| one[1][a].max(other[1][a])),
-            ]
-        };
-        let of_links = self.links.reach().unwrap_or(NOWHERE);
-        let changed = self.changed().1.iter().flatten();
-        (changed.map(|change| [change.cell; 2])).fold(of_links, both)
     }
 
     /// Stage `find_links`, for nodes at `positions` [cells].

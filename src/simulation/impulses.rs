@@ -283,6 +283,12 @@ impl Impulses {
         coupled.kernel().is_some() || coupled.touches_only(volume.first, volume.end)
     }
 
+    /// The same in the step that ends at `time_s`, where the motion of the structure is known.
+    pub(super) fn holds_at(&self, coupled: &Coupled, time_s: f64) -> bool {
+        let volume = self.balance.volume();
+        coupled.touches_only_at(time_s, volume.first, volume.end)
+    }
+
     /// Adds what crosses the faces of the box in this step, before the stage `bounce`. False, and nothing is done, where cut links may change that.
     pub(super) fn add_outflow(
         &mut self,
@@ -295,6 +301,13 @@ impl Impulses {
             self.outflows_ahead += 1;
         }
         Ok(holds)
+    }
+
+    /// Adds what crosses the faces of the box in a step, after the stage `bounce`, for a step that is accounted for later.
+    pub(super) fn add_outflow_after_bounce(&mut self, air: &AirEngine) -> Result<(), DeviceError> {
+        self.balance.add_step(air)?;
+        self.outflows_ahead += 1;
+        Ok(())
     }
 
     pub(super) fn add_step(

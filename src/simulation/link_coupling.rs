@@ -8,6 +8,8 @@
 //! 4. the fabric minimises inertia, elastic energy and the reactions of its cuts, which are affine in its velocity ([`crate::cpu::cloth::TriangleReaction`]);
 //! 5. `bounce`: what comes back, with the velocity that the fabric now has. The air has what the fabric felt, to the solver's tolerance, at once.
 
+mod saved;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -18,10 +20,10 @@ use super::air::AirEngine;
 use super::bodies::Load;
 use super::cut_bodies::{self, Body};
 use super::cut_surface::CutSurface;
+use super::on_device::OnDevice;
 use crate::case::Scene;
 use crate::case::coupling::Friction;
 use crate::case::scene::Air;
-use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::covers::Cover;
 use crate::cloth::patches::Patches;
 use crate::cpu::cloth::{Cloth, MiddleReaction, TriangleReaction};
@@ -41,17 +43,21 @@ pub struct LinkCoupling {
     woven_triangles: usize,
     fabric_triangles: usize,
     covers: Vec<Cover>,
-    bodies: Vec<Body>,
+    pub(super) bodies: Vec<Body>,
     /// Which body every triangle behind the fabric's belongs to.
     body_of: Vec<u32>,
-    /// All stands still, and a device answers along the links by itself.
-    stands: bool,
+    /// What a device answers along the links by itself.
+    pub(super) on_device: OnDevice,
+    /// Links that were cut in the last step that a device made by itself.
+    pub(super) found_on_device: Option<usize>,
     /// Of the nodes [cells, cells per step].
-    positions: Vec<DVec3>,
-    velocities: Vec<DVec3>,
-    reactions: Vec<TriangleReaction>,
+    pub(super) positions: Vec<DVec3>,
+    pub(super) velocities: Vec<DVec3>,
+    pub(super) reactions: Vec<TriangleReaction>,
     force_on_air: [f64; 3],
     fabric_force_on_air: [f64; 3],
+    /// Of fabric that is held, where a device made the step by itself.
+    held_force_on_air: Option<[f64; 3]>,
     loads: Vec<Load>,
     fastest: f64,
 }
@@ -155,12 +161,14 @@ impl LinkCoupling {
             covers,
             bodies,
             body_of,
-            stands: plan.walls_stand_on_device(),
+            on_device: OnDevice::of(scene, plan),
+            found_on_device: None,
             positions,
             velocities: vec![DVec3::ZERO; nodes],
             reactions: Vec::new(),
             force_on_air: [0.0; 3],
             fabric_force_on_air: [0.0; 3],
+            held_force_on_air: None,
             loads: vec![Load::default(); scene.rigid_bodies.len()],
             fastest: 0.0,
         }
@@ -176,6 +184,15 @@ impl LinkCoupling {
     #[must_use]
     pub const fn surface(&self) -> &CutSurface {
         &self.surface
+    }
+
+    /// Links that are cut now.
+    pub(super) fn link_count(&self) -> usize {
+        (self.found_on_device).unwrap_or_else(|| self.surface.links().len())
+    }
+
+    pub(super) const fn surface_mut(&mut self) -> &mut CutSurface {
+        &mut self.surface
     }
 
     /// Total force on the air of the last `bounce` [lattice units].
@@ -206,6 +223,9 @@ impl LinkCoupling {
 
     /// Force on the air by fabric that is held, by the shares of held nodes [lattice units].
     pub(super) fn held_force_on_air(&self, cloth: &Cloth) -> [f64; 3] {
+        if let Some(known) = self.held_force_on_air {
+            return known;
+        }
         let held = &cloth.structure.held;
         let mut sum = DVec3::ZERO;
         for (cut, force) in self.surface.forces() {
@@ -218,7 +238,7 @@ impl LinkCoupling {
     }
 
     /// Nodes as they are at `time_s`.
-    fn place(&mut self, cloth: Option<&Cloth>, time_s: f64) {
+    pub(super) fn place(&mut self, cloth: Option<&Cloth>, time_s: f64) {
         let lattice = |place_m| DVec3::from_array(self.units.position_to_lattice(place_m));
         if let Some(cloth) = cloth {
             for (position, place_m) in self.positions.iter_mut().zip(&cloth.positions_m) {
@@ -235,6 +255,9 @@ impl LinkCoupling {
         time_s: f64,
     ) -> Result<(), OutOfAir> {
         self.place(cloth, time_s);
+        if self.on_device == OnDevice::Moving {
+            return self.surface.move_to(&self.positions);
+        }
         self.surface.find_links(&self.positions)
     }
 
@@ -282,8 +305,10 @@ impl LinkCoupling {
 
     /// Stage `read_links`; on the host, where nothing has to be fetched, `fetch_links` with it.
     pub(super) fn read_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
-        if self.stands {
-            return self.read_walls(air);
+        match (self.on_device, &*air) {
+            (OnDevice::Standing, _) => return self.read_walls(air),
+            (OnDevice::Moving, AirEngine::Gpu(fluid)) => return fluid.read_moving_walls(),
+            _ => {}
         }
         self.surface.read_links(air)?;
         match air {
@@ -300,6 +325,11 @@ impl LinkCoupling {
     /// The triangles of the fabric as it feels them in this solve.
     pub(super) fn reactions(&self) -> &[TriangleReaction] {
         &self.reactions
+    }
+
+    /// Leaves them to a device.
+    pub(super) fn forget_reactions(&mut self) {
+        self.reactions.clear();
     }
 
     /// Makes them from what was read.
@@ -416,7 +446,7 @@ impl LinkCoupling {
     }
 
     /// Velocities of a step that ends at `time_s`; before release all is held.
-    fn take_velocities(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
+    pub(super) fn take_velocities(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
         if !released {
             self.velocities.fill(DVec3::ZERO);
             self.fastest = 0.0;
@@ -449,9 +479,10 @@ impl LinkCoupling {
         time_s: f64,
         released: bool,
     ) -> Result<(), DeviceError> {
-        if let (AirEngine::Gpu(fluid), true) = (&mut *air, self.stands) {
+        if let (AirEngine::Gpu(fluid), true) = (&mut *air, self.on_device.answers()) {
             return fluid.answer_walls();
         }
+        (self.held_force_on_air, self.found_on_device) = (None, None);
         self.take_velocities(cloth, time_s, released);
         self.surface.bounce(air, &self.velocities)?;
         self.sum_forces(time_s);
@@ -485,6 +516,12 @@ impl LinkCoupling {
         let of_bodies = self.loads.iter().map(|load| DVec3::from_array(load.force));
         let all = DVec3::from_array(of_fabric.force) + of_bodies.sum::<DVec3>();
         self.force_on_air = (-all).to_array();
+    }
+
+    /// Takes what a step of a device's own did to the air: all of the fabric, and that of it which is held [lattice units].
+    pub(super) const fn take_forces(&mut self, all: [f64; 3], of_held: [f64; 3]) {
+        (self.force_on_air, self.fabric_force_on_air) = (all, all);
+        self.held_force_on_air = Some(of_held);
     }
 
     /// Adds the forces up.
@@ -541,51 +578,5 @@ impl LinkCoupling {
     pub fn through_velocity_m_s(&self) -> Option<f64> {
         let through = self.surface.mean_through()?;
         Some(through * self.units.speed_m_s())
-    }
-
-    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
-        out.put("link_face_pressures", self.surface.face_pressures())?;
-        if let Some(layers) = self.surface.boundary_layers() {
-            out.put("link_boundary_layers", &layers.saved())?;
-            out.put("link_boundary_layer_steps_left", &[layers.steps_left()])?;
-        }
-        if let Some(mean) = self.surface.mean_through() {
-            out.put("link_mean_through", &[mean])?;
-        }
-        out.put("link_velocities", &self.velocities)?;
-        out.put("link_positions", &self.positions)?;
-        let sums: Vec<[f64; 3]> = [self.force_on_air, self.fabric_force_on_air]
-            .into_iter()
-            .chain(self.loads.iter().flat_map(|load| [load.force, load.moment]))
-            .collect();
-        out.put("link_forces", &sums)?;
-        out.put("link_fastest", &[self.fastest])
-    }
-
-    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
-        let count = self.positions.len();
-        let excess = from.take_exactly("link_face_pressures", count)?;
-        self.velocities = from.take_exactly("link_velocities", count)?;
-        self.positions = from.take_exactly("link_positions", count)?;
-        let (layers, steps_left) = match self.surface.boundary_layers() {
-            Some(layers) => (
-                from.take_exactly("link_boundary_layers", layers.saved().len())?,
-                from.take_exactly("link_boundary_layer_steps_left", 1)?[0],
-            ),
-            None => (Vec::new(), 0),
-        };
-        if self.surface.mean_through().is_some() {
-            let mean = from.take_exactly::<f64>("link_mean_through", 1)?[0];
-            self.surface.go_on_with_mean_through(mean);
-        }
-        let layers = (&*layers, steps_left);
-        self.surface.go_on(excess, layers, self.positions.clone());
-        let sums: Vec<[f64; 3]> = from.take_exactly("link_forces", 2 + 2 * self.loads.len())?;
-        (self.force_on_air, self.fabric_force_on_air) = (sums[0], sums[1]);
-        for (load, pair) in self.loads.iter_mut().zip(sums[2..].chunks_exact(2)) {
-            (load.force, load.moment) = (pair[0], pair[1]);
-        }
-        self.fastest = from.take_exactly::<f64>("link_fastest", 1)?[0];
-        Ok(())
     }
 }

@@ -15,6 +15,7 @@ mod cost;
 mod coupled;
 mod coupling_stages;
 mod cut_bodies;
+mod cut_fabric;
 mod cut_surface;
 mod descent;
 mod device_alone;
@@ -30,6 +31,8 @@ mod link_coupling;
 mod looks;
 mod markers;
 mod meeting;
+mod moving_walls;
+mod on_device;
 mod opening;
 mod own_steps;
 mod panels;
@@ -42,6 +45,7 @@ mod state;
 mod statics;
 mod structure_state;
 mod supports;
+mod surface_box;
 mod wall_velocities;
 mod watch;
 mod whole_air;
@@ -219,7 +223,7 @@ impl Simulation {
                 .and_then(KernelCoupling::in_air),
             cut: matches!(coupled, Some(Coupled::Links(_))),
         };
-        let cloth_engine =
+        let mut cloth_engine =
             ClothEngine::new(plan.placement.cloth, cloth.as_ref(), met, device.as_ref())?;
         let impulses = match (&scene.air, &air, &coupled) {
             (Some(settings), Some(engine), Some(_)) => {
@@ -238,7 +242,8 @@ impl Simulation {
             }
             _ => None,
         };
-        let own_steps = OwnSteps::new((&scene, &plan), coupled.as_mut(), &cloth_engine)?;
+        let fabric = (&mut cloth_engine, cloth.as_ref());
+        let own_steps = OwnSteps::new((&scene, &plan), coupled.as_mut(), fabric)?;
         let adaptive = Adaptive::of(&scene);
         let every = plan.every(Stage::SolveCloth).unwrap_or(1);
         let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));

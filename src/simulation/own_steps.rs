@@ -4,6 +4,7 @@ use super::cloth_engine::ClothEngine;
 use super::coupled::Coupled;
 use crate::case::Scene;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::cloth::Cloth;
 use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::gpu::DeviceError;
 use crate::plan::{Plan, STEPS_OF_A_SERIES};
@@ -17,6 +18,9 @@ pub(super) const MOST: u64 = STEPS_OF_A_SERIES;
 pub(super) const ROOM: u32 = 16;
 pub(super) const FASTER: f64 = 2.0;
 
+/// Room that is enough for a whole series; with less a series has fewer steps. So fabric may always move by 3/16 of a cell in a step, twice as fast as the wind where that is usual.
+pub(super) const ENOUGH: u32 = 12;
+
 /// A solve that took so many evaluations or more was hard: from the next border on so many steps are made with the host.
 const HARD: usize = STEP_PATIENCE / 5 * 4;
 const STEPS_AFTER_HARD: u64 = 2 * MOST;
@@ -24,9 +28,23 @@ const STEPS_AFTER_HARD: u64 = 2 * MOST;
 /// Section of a checkpoint with the steps that are made with the host.
 const SECTION: &str = "own_steps_with_host";
 
+/// What a device makes steps of by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Kind {
+    /// Walls that nobody solves for.
+    #[default]
+    Walls,
+    /// Fabric with markers.
+    Markers,
+    /// Fabric that cuts links.
+    Cuts,
+}
+
 /// Where the device may make steps by itself.
 #[derive(Debug, Default)]
 pub(super) struct OwnSteps {
+    /// What it makes them of.
+    pub kind: Kind,
     /// Step at which the last series began.
     pub began: u64,
     /// Step up to which it has made them; `None` where all are accounted for.
@@ -40,19 +58,27 @@ impl OwnSteps {
     pub(super) fn new(
         (scene, plan): (&Scene, &Plan),
         coupled: Option<&mut Coupled>,
-        engine: &ClothEngine,
+        (engine, cloth): (&mut ClothEngine, Option<&Cloth>),
     ) -> Result<Option<Self>, DeviceError> {
         if !plan.may_make_series(scene) {
             return Ok(None);
         }
-        if plan.walls_stand_on_device() {
+        if plan.answers_on_device() {
             return Ok(Some(Self::default()));
         }
-        let nodes = engine.nodes_on_device();
-        let Some((nodes, kernel)) = nodes.zip(coupled.and_then(Coupled::kernel_mut)) else {
-            return Ok(None);
+        let (follows, kind) = match (coupled, engine.nodes_on_device(), cloth) {
+            (Some(Coupled::Kernel(kernel)), Some(nodes), _) => {
+                (kernel.follow(nodes)?, Kind::Markers)
+            }
+            (Some(Coupled::Links(links)), _, Some(cloth)) => {
+                (links.follow(cloth, engine)?, Kind::Cuts)
+            }
+            _ => return Ok(None),
         };
-        Ok(kernel.follow(nodes)?.then(Self::default))
+        Ok(follows.then(|| Self {
+            kind,
+            ..Self::default()
+        }))
     }
 
     /// True if a step is to be made with the host, after a hard solve.

@@ -1,10 +1,11 @@
-//! Surfaces that stand still in the air of a device, which answers along their cut links by itself ([`crate::gpu::fluid::standing_walls`]): stages `read_links`, `bounce` and
-//! `fetch_wall_forces`. The host learns what the air does to them alone.
+//! Walls that are not solved for, in the air of a device that answers along their cut links by itself: stages `read_links` and `bounce` where they stand still
+//! ([`crate::gpu::fluid::standing_walls`]; [`super::moving_walls`] has those that move), and `fetch_wall_forces` of both. The host learns what the air does to them alone.
 
 use glam::DVec3;
 
 use super::air::AirEngine;
 use super::bodies::Load;
+use super::on_device::OnDevice;
 use super::own_steps::MOST;
 use super::{Coupled, Levels, LinkCoupling, Simulation};
 use crate::cut_links::SIDES;
@@ -49,6 +50,9 @@ impl LinkCoupling {
             return Ok(());
         };
         let found = fluid.fetch_wall_forces()?;
+        if self.on_device == OnDevice::Moving {
+            self.found_on_device = Some(fluid.moving_links());
+        }
         self.take_loads(
             found
                 .into_iter()
@@ -59,7 +63,7 @@ impl LinkCoupling {
 }
 
 impl Coupled {
-    /// Has a device bring the forces on walls that stand, of all steps since it was last asked.
+    /// Has a device bring the forces on walls, of all steps since it was last asked.
     pub(super) fn ask_wall_forces(air: &mut AirEngine) {
         if let AirEngine::Gpu(fluid) = air {
             fluid.ask_wall_forces();
@@ -90,7 +94,7 @@ impl Simulation {
         self.take_wall_forces()
     }
 
-    /// Takes what the air did to standing walls in the next of the steps that were asked for.
+    /// Takes what the air did to walls in the next of the steps that were asked for.
     pub(super) fn take_wall_forces(&mut self) -> Result<(), DeviceError> {
         let time_s = self.time_at(self.step + 1);
         let released = self.released();

@@ -148,6 +148,14 @@ impl Decisions {
         })
     }
 
+    /// What further stages read of it, by name in the shaders.
+    pub const fn named(&self) -> [(&'static str, &wgpu::Buffer); 2] {
+        [
+            ("minimiser", &self.minimiser),
+            ("delivered", &self.delivered),
+        ]
+    }
+
     /// What comes back of a solve, and its bytes.
     fn parts(&self) -> Vec<(&wgpu::Buffer, u64)> {
         let mut parts = vec![
@@ -223,7 +231,12 @@ impl Decisions {
 }
 
 /// Records copies of one buffer after the other, from byte `at` on of a way back.
-fn copy(commands: &mut Commands, parts: &[(&wgpu::Buffer, u64)], staging: &Staging, mut at: u64) {
+pub(super) fn copy(
+    commands: &mut Commands,
+    parts: &[(&wgpu::Buffer, u64)],
+    staging: &Staging,
+    mut at: u64,
+) {
     for (buffer, bytes) in parts {
         staging.copy(commands, buffer, 0, at, *bytes);
         at += bytes;

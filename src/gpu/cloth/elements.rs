@@ -16,6 +16,24 @@ const FARTHEST_M: f64 = 16384.0;
 /// Units of the whole numbers per metre.
 pub(super) const UNITS_PER_M: f64 = 65536.0;
 
+/// Where what lies at every node begins, and which it is: 3 · number + corner of things with three nodes each.
+pub(super) fn corners_at_nodes(
+    nodes: usize,
+    things: impl Iterator<Item = [u32; 3]>,
+) -> (Vec<u32>, Vec<u32>) {
+    let mut at_nodes = vec![Vec::new(); nodes];
+    for (number, of_thing) in things.enumerate() {
+        for (corner, node) in of_thing.into_iter().enumerate() {
+            at_nodes[node as usize].push((3 * number + corner) as u32);
+        }
+    }
+    let mut first = vec![0];
+    for of_node in &at_nodes {
+        first.push(first.last().copied().unwrap_or(0) + of_node.len() as u32);
+    }
+    (first, at_nodes.concat())
+}
+
 /// A coordinate [m] as a whole number of 2⁻¹⁶ m and a remainder.
 pub(in crate::gpu) fn split(coordinate_m: f64) -> (i32, f32) {
     if coordinate_m.abs() < FARTHEST_M {

@@ -13,7 +13,7 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
 
-use super::elements::narrow;
+use super::elements::{corners_at_nodes, narrow};
 use super::motion::{OwnStepPipelines, OwnSteps};
 use super::slots::DRIVE;
 
@@ -81,17 +81,8 @@ pub struct AtMarkers {
 
 /// Where the markers of every node begin, and which they are: 3 · marker + corner.
 fn at_nodes(structure: &Structure, markers: &[(u32, [f64; 3])]) -> (Vec<u32>, Vec<u32>) {
-    let mut at_nodes = vec![Vec::new(); structure.node_count()];
-    for (number, (triangle, _)) in markers.iter().enumerate() {
-        for (corner, node) in (structure.triangles[*triangle as usize].nodes.iter()).enumerate() {
-            at_nodes[*node as usize].push((3 * number + corner) as u32);
-        }
-    }
-    let mut first = vec![0];
-    for of_node in &at_nodes {
-        first.push(first.last().copied().unwrap_or(0) + of_node.len() as u32);
-    }
-    (first, at_nodes.concat())
+    let of_marker = |(triangle, _): &(u32, _)| structure.triangles[*triangle as usize].nodes;
+    corners_at_nodes(structure.node_count(), markers.iter().map(of_marker))
 }
 
 impl MarkerPipelines {
@@ -121,7 +112,7 @@ impl MarkerPipelines {
                 .storage("loads beside the air", 12 * structure.node_count() as u64)?,
             first: device.storage_of("first markers of nodes", &first)?,
             corners: device.storage_of("markers of nodes", &corners)?,
-            own_steps: OwnStepPipelines::new(device, structure, markers.len())?,
+            own_steps: OwnStepPipelines::new(device, structure, Some(markers.len()))?,
             air,
         })
     }

@@ -14,6 +14,7 @@
 //! | `own_steps` | steps that the device makes without the host |
 //! | `host_constants` | what shaders that decide know of the host's minimiser |
 //! | `small_cloth` | the same for small fabric, in one workgroup |
+//! | `cut_fabric` | reactions of the air at cut links, where the device has both and makes steps by itself |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
 //! | `step_words` | what a step sends of elements |
@@ -31,6 +32,7 @@
 
 mod batches;
 mod curvature;
+mod cut_fabric;
 mod decisions;
 mod elements;
 mod gathering;
@@ -64,6 +66,8 @@ use crate::gpu::transfer::Staging;
 use crate::solve::lbfgs::{HISTORY, Options};
 use crate::solve::multigrid::hierarchy::hierarchy;
 
+use cut_fabric::CutFabric;
+pub use cut_fabric::{AirScales, AtCuts, LinksInAir};
 pub(super) use elements::split;
 use elements::{CUT_WORDS, Elements, Triangles};
 use gathering::Gathering;
@@ -91,6 +95,8 @@ pub struct Cloth {
     operations: Operations,
     /// Where the device forms the reactions of the air at its markers itself.
     in_air: Option<MarkerPipelines>,
+    /// Where the device makes steps of fabric that cuts links by itself.
+    cuts: Option<CutFabric>,
     workspace: Option<Workspace>,
     /// Made when a solve first asks for it.
     multigrid: Option<WholeHessian>,
@@ -330,6 +336,7 @@ impl Cloth {
             blocks,
             operations,
             in_air,
+            cuts: None,
             workspace: None,
             multigrid: None,
             loads: Vec::new(),

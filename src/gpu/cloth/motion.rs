@@ -33,7 +33,7 @@ pub struct NodesOnDevice {
 #[derive(Debug)]
 pub(super) struct OwnStepPipelines {
     predict: Pipeline,
-    marker_velocities: Pipeline,
+    marker_velocities: Option<Pipeline>,
     end_step: Pipeline,
     parameters: wgpu::Buffer,
     whole: wgpu::Buffer,
@@ -48,7 +48,8 @@ pub(super) struct OwnStepPipelines {
 #[derive(Debug)]
 pub(super) struct OwnSteps {
     pub predict: Bound,
-    pub marker_velocities: Bound,
+    /// Where there are markers.
+    pub marker_velocities: Option<Bound>,
     pub end_step: Bound,
     whole: wgpu::Buffer,
     remainder: wgpu::Buffer,
@@ -70,20 +71,25 @@ pub(super) struct Series {
 }
 
 impl OwnStepPipelines {
-    /// For a structure with so many markers; `None` where a step needs more of the host.
+    /// For a structure with so many markers, or of fabric that cuts links; `None` where a step needs more of the host.
     pub fn new(
         device: &Device,
         structure: &Structure,
-        markers: usize,
+        markers: Option<usize>,
     ) -> Result<Option<Self>, DeviceError> {
         if damped_cables(structure).next().is_some() || structure.has_line_drag() {
             return Ok(None);
         }
         let nodes = structure.node_count() as u64;
-        let constants = [("NODES", nodes as f64), ("MARKERS", markers as f64)];
-        let entries = ["predict", "marker_velocities", "end_step"];
-        let [predict, marker_velocities, end_step] =
-            device.pipelines(&shaders::FABRIC_MOTION, entries, &constants)?;
+        let constants = [
+            ("NODES", nodes as f64),
+            ("MARKERS", markers.unwrap_or_default() as f64),
+        ];
+        let entries = ["predict", "end_step"];
+        let [predict, end_step] = device.pipelines(&shaders::FABRIC_MOTION, entries, &constants)?;
+        let of_markers = markers
+            .map(|_| device.pipelines(&shaders::FABRIC_MOTION, ["marker_velocities"], &constants));
+        let marker_velocities = of_markers.transpose()?.map(|[pipeline]| pipeline);
         Ok(Some(Self {
             predict,
             marker_velocities,
@@ -105,22 +111,29 @@ impl OwnStepPipelines {
         nodes: usize,
     ) -> Result<OwnSteps, DeviceError> {
         let mut all = buffers.to_vec();
-        all.extend([
+        all.extend(self.named());
+        Ok(OwnSteps {
+            predict: device.bind(&self.predict, &all)?,
+            marker_velocities: (self.marker_velocities.as_ref())
+                .map(|pipeline| device.bind(pipeline, &all))
+                .transpose()?,
+            end_step: device.bind(&self.end_step, &all)?,
+            whole: self.whole.clone(),
+            remainder: self.remainder.clone(),
+            nodes,
+        })
+    }
+
+    /// Their buffers, by name in the shaders.
+    pub fn named(&self) -> [(&'static str, &wgpu::Buffer); 6] {
+        [
             ("motion", &self.parameters),
             ("nodes_whole", &self.whole),
             ("nodes_remainder", &self.remainder),
             ("ways_whole", &self.ways_whole),
             ("ways_remainder", &self.ways_remainder),
             ("base_velocities", &self.base_velocities),
-        ]);
-        Ok(OwnSteps {
-            predict: device.bind(&self.predict, &all)?,
-            marker_velocities: device.bind(&self.marker_velocities, &all)?,
-            end_step: device.bind(&self.end_step, &all)?,
-            whole: self.whole.clone(),
-            remainder: self.remainder.clone(),
-            nodes,
-        })
+        ]
     }
 
     /// Where nodes are.

@@ -90,4 +90,30 @@ parameters! {
         /// γ of the direction.
         direction_scale: f32,
     }
+    /// The lattice of the air in space.
+    CellsInSpace {
+        /// Centre of its first cell: whole numbers of 2⁻¹⁶ m.
+        origin_whole: [i32; 4],
+        /// What is left of them [m].
+        origin_remainder: [f32; 4],
+        /// Size of a cell alike.
+        cell_whole: i32,
+        /// What is left of it [m].
+        cell_remainder: f32,
+        /// Cells in a metre.
+        cells_per_m: f32,
+        /// Unused.
+        padding: u32,
+    }
+    /// A triangle that shares what the air does to another.
+    PatchMember {
+        /// The triangle.
+        triangle: u32,
+        /// Area as it was cut [cells²].
+        area: f32,
+        /// Which of the members the way to it passes last.
+        via: u32,
+        /// Where the other one stands among its own members.
+        back: u32,
+    }
 }

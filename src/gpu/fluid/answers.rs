@@ -1,9 +1,8 @@
 //! What a device has of walls that stand still, and its passes between `read_links` and `bounce` ([`super::standing_walls`]).
 
-use std::collections::VecDeque;
-
 use bytemuck::Pod;
 
+use super::force_sums::ForceSums;
 use super::link_lists::LinkLists;
 use super::standing_tables::{PORTION, Push, SIDES_OF_A_THREAD, StandingParameters, Tables};
 use crate::cut_links::StandingWalls;
@@ -14,7 +13,6 @@ use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Counted, Pipeline};
 use crate::gpu::shaders::{self, WORKGROUP};
-use crate::gpu::transfer::Staging;
 
 /// Device's answers along the cut links of standing walls.
 #[derive(Debug)]
@@ -23,19 +21,10 @@ pub(super) struct Answers {
     pub search: u64,
     pub counts: StandingParameters,
     pub image_numbers: usize,
-    /// End of the portions of each body.
-    pub bodies: Vec<usize>,
     pub parameters: wgpu::Buffer,
     /// By parity of the step to come.
     pub passes: [Passes; 2],
-    pub sums: wgpu::Buffer,
-    pub staging: Staging,
-    /// Steps that fit, and those that wait on the device.
-    pub most: usize,
-    pub waiting: usize,
-    pub submitted: Option<(wgpu::SubmissionIndex, usize)>,
-    /// Sums of steps that were brought, by portion.
-    pub brought: VecDeque<Vec<[f32; 6]>>,
+    pub sums: ForceSums,
 }
 
 /// Between `read_links` and `bounce`, in this order.
@@ -94,8 +83,7 @@ impl Answers {
             padding: 0,
         };
         let parameters = device.uniform::<StandingParameters>("standing walls")?;
-        let step_bytes = 24 * u64::from(counts.portions);
-        let sums = device.storage("force sums", step_bytes * most as u64)?;
+        let sums = ForceSums::new(device, tables.bodies, most)?;
         let words = |label, count: u32| device.storage(label, 4 * u64::from(count));
         let named: Named = vec![
             ("sides", table(device, "sides", &tables.sides)?),
@@ -143,7 +131,7 @@ impl Answers {
             ],
             &constants,
         )?;
-        let fixed = [("standing", &parameters), ("force_sums", &sums)];
+        let fixed = [("standing", &parameters), ("force_sums", &sums.buffer)];
         let both = |parity| {
             Passes::new(device, &pipelines, &counts, {
                 let mut all: Vec<(&str, &wgpu::Buffer)> = fixed.to_vec();
@@ -157,19 +145,9 @@ impl Answers {
             passes: [both(0)?, both(1)?],
             counts,
             image_numbers,
-            bodies: tables.bodies,
             parameters,
             sums,
-            staging: Staging::new(device, (step_bytes * most as u64).max(16))?,
-            most,
-            waiting: 0,
-            submitted: None,
-            brought: VecDeque::new(),
         })
-    }
-
-    pub const fn step_bytes(&self) -> u64 {
-        24 * self.counts.portions as u64
     }
 }
 

@@ -13,9 +13,13 @@ pub mod control_volume;
 pub mod cut_links;
 pub mod eddy_viscosity;
 mod force_box;
+mod force_sums;
 mod held_eddy_viscosity;
 pub mod link_lists;
 pub mod macroscopic;
+pub mod moving_answers;
+pub mod moving_tables;
+pub mod moving_walls;
 mod names;
 pub mod parameters;
 mod read_back;
@@ -47,6 +51,7 @@ pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
 use held_eddy_viscosity::HeldEddyViscosity;
 use link_lists::LinkLists;
+use moving_answers::Moving;
 use names::{by_number, by_parity, constants};
 use parameters::{BoundaryCopy, StepParameters};
 use read_back::ReadBack;
@@ -71,8 +76,11 @@ pub struct Fluid {
     absorbing_faces: Option<AbsorbingFaces>,
     /// `None` until surfaces cut links.
     link_lists: Option<LinkLists>,
-    /// `None` unless the device answers along cut links by itself.
+    /// `None` unless the device answers along cut links by itself: of walls that stand, and of walls that move.
     answers: Option<Answers>,
+    moving: Option<Moving>,
+    /// Links that walls cut in the last step whose forces were fetched, where the device finds them.
+    moving_links: usize,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity>,
     read_back: ReadBack,
@@ -179,6 +187,8 @@ impl Fluid {
             absorbing_faces,
             link_lists: None,
             answers: None,
+            moving: None,
+            moving_links: 0,
             held_eddy_viscosity,
             read_back,
             inlet_profile,

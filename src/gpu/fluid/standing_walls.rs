@@ -1,9 +1,13 @@
 //! Stages `read_links`, `bounce` and `fetch_wall_forces` where no wall moves ([`crate::cut_links::standing_walls`]): the device answers along cut links by itself. The sums of the forces wait on
 //! it, step after step, until the host asks for them.
 
+use std::sync::Arc;
+
 use super::Fluid;
 use super::answers::Answers;
+use super::force_sums::{ForceAndMoment, ForceSums};
 use super::link_lists::LinkLists;
+use super::moving_answers::untroubled;
 use super::standing_tables::{Push, StandingParameters};
 use crate::cut_links::images::Asked;
 use crate::cut_links::{ChangedByPair, Images, StandingWalls};
@@ -12,13 +16,6 @@ use crate::lattice::DIRECTION_COUNT;
 
 /// No population changes along open links.
 const NOTHING: &ChangedByPair = &[const { Vec::new() }; 4];
-
-/// Force on a body in a step, and its moment about the body's moment point [lattice units].
-pub type ForceAndMoment = [[f64; 3]; 2];
-
-fn not_laid() -> DeviceError {
-    DeviceError::Command("standing walls are answered before they are laid out".to_owned())
-}
 
 impl Fluid {
     /// Lays out what does not change while `walls` stand: places of even and of odd steps, tables, and room for the forces of `most` steps. `bodies` has the sides of each body. Nothing is
@@ -73,18 +70,17 @@ impl Fluid {
         self.device.leave(commands);
     }
 
-    /// Stage `bounce` at standing walls. The sums of the forces wait on the device, those of the steps before with them.
+    /// Stage `bounce` at walls along whose links the device answers by itself. The sums of the forces wait on the device, those of the steps before with them.
     pub fn answer_walls(&mut self) -> Result<(), DeviceError> {
+        if self.moving.is_some() {
+            return self.answer_moving_walls();
+        }
         let (Some(answers), Some(lists)) = (&mut self.answers, &self.link_lists) else {
             return Ok(());
         };
-        if answers.waiting == answers.most {
-            let what = format!("forces of {} steps wait on the device", answers.most);
-            return Err(DeviceError::Command(what));
-        }
         let counts = answers.counts;
         let parameters = StandingParameters {
-            sums_from: 6 * counts.portions * answers.waiting as u32,
+            sums_from: answers.sums.next()?,
             ..counts
         };
         self.device.write(&answers.parameters, 0, &[parameters]);
@@ -97,55 +93,45 @@ impl Fluid {
             lists.bounce[parity].record(&self.device, &mut pass, numbers);
         }
         self.device.leave(commands);
-        answers.waiting += 1;
         Ok(())
+    }
+
+    const fn force_sums(&mut self) -> Option<&mut ForceSums> {
+        match (&mut self.moving, &mut self.answers) {
+            (Some(moving), _) => Some(&mut moving.sums),
+            (None, Some(answers)) => Some(&mut answers.sums),
+            (None, None) => None,
+        }
     }
 
     /// Has the device begin with what was recorded, and bring the forces of the steps that wait.
     pub fn ask_wall_forces(&mut self) {
-        let Some(answers) = &mut self.answers else {
-            return;
-        };
-        let bytes = answers.step_bytes() * answers.waiting as u64;
-        let mut commands = self.device.record("fetch_wall_forces");
-        (answers.staging).copy(&mut commands, &answers.sums, 0, 0, bytes);
-        let submitted = self.device.submit_alone(commands);
-        answers.submitted = Some((submitted, answers.waiting));
-        answers.waiting = 0;
+        let device = Arc::clone(&self.device);
+        if let Some(sums) = self.force_sums() {
+            sums.ask(&device);
+        }
     }
 
     /// Leaves the forces of the steps that wait on the device: nobody asks for them.
     pub const fn forget_wall_forces(&mut self) {
-        if let Some(answers) = &mut self.answers {
-            answers.waiting = 0;
+        if let Some(sums) = self.force_sums() {
+            sums.forget();
         }
     }
 
     /// Stage `fetch_wall_forces`: forces of the next of the steps that were asked for, and their moments, by body; nothing where no link is cut. Waits for all of them before the first.
     pub fn fetch_wall_forces(&mut self) -> Result<Vec<ForceAndMoment>, DeviceError> {
-        let Some(answers) = &mut self.answers else {
+        let device = Arc::clone(&self.device);
+        let moves = self.moving.is_some();
+        let Some(sums) = self.force_sums() else {
             return Ok(Vec::new());
         };
-        if let Some((submitted, steps)) = answers.submitted.take() {
-            let step_bytes = answers.step_bytes();
-            let (device, brought) = (&self.device, &mut answers.brought);
-            (answers.staging).read_of(device, submitted, step_bytes * steps as u64, |bytes| {
-                let of_steps = bytes.chunks_exact(step_bytes as usize);
-                brought.extend(of_steps.map(|bytes| bytemuck::cast_slice(bytes).to_vec()));
-            })?;
+        let mut found = sums.take(&device)?;
+        if moves {
+            let behind = found.pop().unwrap_or_default();
+            untroubled(&behind)?;
+            self.moving_links = behind[0][1] as usize;
         }
-        let portions = answers.brought.pop_front().ok_or_else(not_laid)?;
-        let mut first = 0;
-        let of_body = |end: &usize| {
-            let mut sum = [[0.0; 3]; 2];
-            for portion in &portions[first..*end] {
-                for (of, number) in portion.iter().enumerate() {
-                    sum[of / 3][of % 3] += f64::from(*number);
-                }
-            }
-            first = *end;
-            sum
-        };
-        Ok(answers.bodies.iter().map(of_body).collect())
+        Ok(found)
     }
 }
