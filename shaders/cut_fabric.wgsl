@@ -65,7 +65,7 @@ struct PatchMember {
 @group(0) @binding(71) var<storage, read> faces_from: array<vec4<f32>>;
 @group(0) @binding(72) var<storage, read_write> faces_to: array<vec4<f32>>;
 @group(0) @binding(73) var<storage, read> around: array<u32>;
-// The second is 1 where a link has two layers.
+// The second word is 1 where a link has two layers or more.
 @group(0) @binding(79) var<storage, read> trouble: array<u32>;
 // What left every side, and the further population.
 @group(0) @binding(74) var<storage, read> link_numbers: array<f32>;

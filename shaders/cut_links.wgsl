@@ -1,5 +1,6 @@
 // Populations of links that a surface cuts (src/cut_links/): a thread for each of those that are read, and of those that come back. No two of them
-// lie at one place, so that the order does not matter. What comes back is worked out on the host, with the velocity of the fabric.
+// lie at one place, so that the order does not matter. What comes back is worked out on the host, with the velocity of the fabric, or by
+// standing_walls.wgsl and moving_walls.wgsl.
 
 struct LinkParameters {
     // Populations in the list.

@@ -32,7 +32,7 @@ struct FoundLink {
 @group(0) @binding(47) var<uniform> look: LookParameters;
 @group(0) @binding(48) var<storage, read_write> around: array<atomic<u32>>;
 @group(0) @binding(49) var<storage, read_write> found: array<FoundLink>;
-// 1: a link lies outside the box; 2: there is no room for all. Then 1 where a link has two layers.
+// First word: 1 where a link lies outside the box, 2 where there is no room for all. Second word: 1 where a link has two layers or more.
 @group(0) @binding(50) var<storage, read_write> trouble: array<atomic<u32>>;
 // Array and element of what is read for every side: what left, and the further population.
 @group(0) @binding(51) var<storage, read_write> read_places: array<vec2<u32>>;

@@ -54,7 +54,8 @@ fn seen_along(pair: u32, nodes: vec3<u32>) -> Seen {
     return seen;
 }
 
-// Twice the area from edge a–b to the origin, positive to its left. One rounding of each product: the same bits wherever it stands in the code.
+// Twice the area from edge a–b to the origin, positive to its left. Written so that it has the same bits wherever it stands in the code, unless a driver takes fma apart
+// in one place and not in another: then cut_fabric.wgsl might miss a cut at an edge that find_links.wgsl has found.
 fn beside(a: vec2<f32>, b: vec2<f32>) -> f32 {
     let d = b - a;
     return fma(d.y, a.x, -(d.x * a.y));

@@ -151,7 +151,7 @@ fn gather_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     back_numbers[at] = sum;
 }
 
-// A workgroup for every portion, for fabric and then for every body; and one more.
+// A workgroup for every portion, for fabric and then for every body; one more leaves trouble and the number of links.
 @compute @workgroup_size(WORKGROUP)
 fn sum_forces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32) {

@@ -49,7 +49,7 @@
 //! Air and fabric are placed separately ([`plan::Placement`]), each in `cpu/` or in `gpu/`, where the files carry the same names;
 //! `shaders/` holds the device's kernels under those names too. Stages in italics are transfers, in the plan only where a device
 //! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric). `collide_ahead`, too, is in the plan only there; the next `collide_stream` has the cells that are left.
-//! Along cut links of bodies a device answers by itself: then nothing is fetched but the forces on them (`gpu/fluid/standing_walls.rs`, `gpu/fluid/moving_walls.rs`).
+//! Along cut links of most bodies a device answers by itself: then nothing is fetched but the forces on them (`gpu/fluid/standing_walls.rs`, `gpu/fluid/moving_walls.rs`).
 //! Where one device has both and plain markers, it forms their reactions and forces itself (`gpu/cloth/marker_reactions.rs`, `simulation/meeting.rs`). `spread` comes before `fetch_nodes` then,
 //! which brings what the host's accounts need, and nothing else is fetched or sent at markers. Where nothing but the structure changes from step to step, it makes series
 //! of steps by itself (`simulation/device_alone.rs`), at cut links, too (`simulation/cut_fabric.rs`), and the host makes up the accounts afterwards.

@@ -10,7 +10,8 @@ use crate::standing_walls::{
     as_by_a_host, as_by_a_host_in_16_bits, device, go_on, plan_of, released, series,
 };
 
-/// A sphere that drifts, one that stands, two vanes a third of a cell apart that turn together (two layers in a link), and one that shuts a cell in, in which a lid presses the air together.
+/// A sphere that drifts, and one that stands. Two vanes a third of a cell apart turn together: two layers in a link. A small sphere shuts a cell in, and a lid that moves through it presses its air
+/// together.
 const BODIES: Scene = (
     SPHERE,
     "quick",

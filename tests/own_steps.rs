@@ -36,7 +36,7 @@ const FIRST: u64 = 2;
 const COUNTED: u64 = 256;
 
 /// What a step may be made of.
-const SCENES: [(&str, &[&str]); 5] = [
+const SCENES: [(&str, &[&str]); 4] = [
     (
         "in_a_box",
         &[
@@ -55,9 +55,8 @@ const SCENES: [(&str, &[&str]); 5] = [
             "solver.tolerance=1e-3",
         ],
     ),
-    ("of_fabric_that_cuts_links", &CUT),
     (
-        "of_fabric_that_cuts_links_in_a_box",
+        "of_fabric_that_cuts_links",
         &[
             CUT[0],
             CUT[1],
@@ -81,7 +80,7 @@ const SCENES: [(&str, &[&str]); 5] = [
 /// Name of the scene that is a flag.
 const OF_A_FLAG: &str = "of_a_flag_that_cuts_links";
 
-/// Folded fabric, two layers in some links, whose triangles share what the air does to them.
+/// Folded fabric, two layers in some links (without the pressures between them the trial fails), whose triangles share what the air does to them.
 const CUT: [&str; 4] = [
     "resolution.cells_per_diameter=16.0",
     "coupling.scheme=\"links\"",
@@ -118,15 +117,19 @@ pub fn trials() -> Vec<Trial> {
     trials.extend(plain("own_steps::plans", plans));
     trials.extend([
         needs_device("own_steps::counts_on_a_device".to_owned(), || {
-            counts(&COARSE);
+            counts(&COARSE, COUNTED);
         }),
         needs_device(
             "own_steps::counts_of_a_device_with_cut_links".to_owned(),
-            || counts(&ROOMY),
+            || counts(&ROOMY, COUNTED / 2),
         ),
         needs_device(
             "own_steps::solves_that_do_not_end_on_a_device".to_owned(),
-            unsolved,
+            || unsolved(&COARSE),
+        ),
+        needs_device(
+            "own_steps::solves_that_do_not_end_of_a_device_with_cut_links".to_owned(),
+            || unsolved(&ROOMY),
         ),
     ]);
     trials
@@ -274,27 +277,27 @@ fn resumed(overrides: &[&str]) {
 
 /// A series asks for one map, and a step for less than two submissions. Looks for a flow that breaks down wait for the end of a series, and ask for maps of their own; so
 /// do steps whose stages are timed, which end one.
-fn counts(overrides: &[&str]) {
+fn counts(overrides: &[&str], counted: u64) {
     let device = device(true);
     let mut simulation = released(&device, overrides, false);
     go_on(&mut simulation, 20);
     let of_series = |simulation: &Simulation| simulation.cost().of(Stage::FetchNodes).device.maps;
     let (maps, before) = (of_series(&simulation), device.work());
-    go_on(&mut simulation, COUNTED);
+    go_on(&mut simulation, counted);
     let (maps, work) = (of_series(&simulation) - maps, device.work().since(&before));
-    assert!(32 * maps <= COUNTED, "{maps} maps of series");
-    assert!(10 * work.maps <= COUNTED, "{work:?}");
-    assert!(work.submits < 2 * COUNTED, "{work:?}");
+    assert!(32 * maps <= counted, "{maps} maps of series");
+    assert!(10 * work.maps <= counted, "{work:?}");
+    assert!(work.submits < 2 * counted, "{work:?}");
 }
 
 /// A solve that the device does not end stands as it is and is counted. Then the host takes part for a while, from the same step on whichever steps are made at once.
-fn unsolved() {
+fn unsolved(overrides: &[&str]) {
     let device = device(true);
     let few = [
-        COARSE[0],
-        "solver.tolerance=1e-4",
-        "solver.evaluation_limit=5",
-    ];
+        overrides,
+        &["solver.tolerance=1e-4", "solver.evaluation_limit=5"],
+    ]
+    .concat();
     let runs = [&[120][..], &[7, 40, 73]].map(|parts| {
         let mut simulation = new(&device, &few, false);
         while !simulation.released() {
@@ -331,6 +334,7 @@ fn plans() {
             "structure.flat_circular.rings=2",
             "resolution.cells_per_diameter=96.0",
         ],
+        &["coupling.narrow_openings=\"law\""],
         &["bodies.payload={position_m=[0.5, 1.4955, 1.4955], sphere={diameter_m=0.3}}"],
     ] {
         assert!(!alone(further), "{further:?}");

@@ -285,7 +285,7 @@ fn plans() {
     let says = |scene: Scene, further: &[&str]| {
         let (scene, plan) = plan_of(scene, further, on_device());
         let report = plan.report(&scene, &[], 1);
-        report.contains("makes up to 64 of these steps without the host")
+        report.contains("makes up to 64 of these steps without waiting for the host")
     };
     assert!(says(OF_CELLS, &[]) && says(STICKING, &[]) && !says(OF_CELLS, &loose));
 }

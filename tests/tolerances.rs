@@ -188,7 +188,7 @@ pub const OWN_STEPS: [f64; 2] = [5e-4, 1e-3];
 pub const STANDING_WALLS: f64 = 1e-5;
 /// The difference of the defects of mass in the momentum box, over its mass.
 pub const STANDING_WALLS_MASS: f64 = 1e-8;
-/// Both of populations in 16 bits: engines round what lies midway between two numbers to one or the other, a part in 2000 of a population.
+/// Both of populations in 16 bits: presumably engines round what lies midway between two numbers to one or the other, a part in 2000 of a population.
 pub const WALLS_IN_16_BITS: [f64; 2] = [5e-3, 1e-5];
 
 /// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.

@@ -152,7 +152,7 @@ impl FacePressures {
         }
     }
 
-    /// Carries pressures on by a node, from all at once: none is ahead by its number.
+    /// Carries pressures on by a node: a Jacobi sweep, which does not hang on the numbers of the nodes.
     fn carry(&mut self) {
         let before = self.excess.clone();
         for node in 0..before.len() {

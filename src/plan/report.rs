@@ -347,7 +347,7 @@ impl Plan {
             };
             writeln!(
                 out,
-                "  the device {may} up to {STEPS_OF_A_SERIES} of these steps without the host"
+                "  the device {may} up to {STEPS_OF_A_SERIES} of these steps without waiting for the host"
             )?;
         }
         Ok(())

@@ -19,8 +19,8 @@ use crate::gpu::fluid::moving_answers::{MovingWalls, trouble};
 use crate::gpu::{DeviceError, DeviceWork};
 use crate::plan::Stage;
 
-/// Times its area as it was cut, or as it was first seen, that fabric may have for its links to find room on the device.
-const STRETCHED: f64 = 1.5;
+/// Factor by which fabric may grow within a series beyond its area where that begins, or as it was cut, before its links find no room.
+const GROWTH: f64 = 1.5;
 
 /// A block (xx, yy, zz, xy, xz, yz).
 fn symmetric([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> DMat3 {
@@ -107,7 +107,8 @@ impl LinkCoupling {
             bodies: &vec![0; triangles.len()],
             count: 0,
             nodes: self.positions.len(),
-            area: STRETCHED * areas.sum::<f64>(),
+            area: areas.sum(),
+            growth: GROWTH,
         };
         fluid.lay_moving_walls(&walls, 1)?;
         let room = self.room() as i32 + 1;

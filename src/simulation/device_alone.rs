@@ -16,7 +16,7 @@ use super::{Coupled, Failure, Simulation};
 use crate::case::scene::Air;
 use crate::cloth::TimeIntegration;
 use crate::cpu::cloth::Cloth;
-use crate::gpu::DeviceWork;
+use crate::gpu::{DeviceError, DeviceWork};
 use crate::plan::Stage;
 
 impl Simulation {
@@ -114,6 +114,11 @@ impl Simulation {
                 begun.transpose()?;
             }
         }
+        let prepares = match kind {
+            Kind::Walls => Stage::FindLinks,
+            Kind::Cuts | Kind::Markers => Stage::SendNodes,
+        };
+        self.count_device_work(prepares, &mut asked);
         for further in 0..steps {
             self.make_own_step(kind, further, &mut asked)?;
         }
@@ -148,8 +153,9 @@ impl Simulation {
         };
         air.collide_stream(None, coupled.immersed())?;
         air.coarser_levels(None)?;
-        if kind != Kind::Cuts {
-            impulses.add_outflow(air.finest(), coupled)?;
+        if kind != Kind::Cuts && !impulses.add_outflow(air.finest(), coupled)? {
+            let what = "a surface reaches the faces of the momentum box in a series of steps";
+            return Err(DeviceError::Command(what.to_owned()).into());
         }
         let Some(kernel) = coupled.kernel_mut() else {
             self.count_device_work(Stage::CollideStream, asked);

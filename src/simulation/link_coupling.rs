@@ -46,7 +46,7 @@ pub struct LinkCoupling {
     pub(super) bodies: Vec<Body>,
     /// Which body every triangle behind the fabric's belongs to.
     body_of: Vec<u32>,
-    /// What a device answers along the links by itself.
+    /// Which walls a device answers along by itself.
     pub(super) on_device: OnDevice,
     /// Links that were cut in the last step that a device made by itself.
     pub(super) found_on_device: Option<usize>,

@@ -78,6 +78,7 @@ impl LinkCoupling {
             count: 1 + self.bodies.len(),
             nodes: self.positions.len(),
             area: area.sum(),
+            growth: 1.0,
         };
         fluid.lay_moving_walls(&walls, STEPS_OF_A_SERIES as usize)
     }

@@ -18,7 +18,7 @@ pub(super) const MOST: u64 = STEPS_OF_A_SERIES;
 pub(super) const ROOM: u32 = 16;
 pub(super) const FASTER: f64 = 2.0;
 
-/// Room that is enough for a whole series; with less a series has fewer steps. So fabric may always move by 3/16 of a cell in a step, twice as fast as the wind where that is usual.
+/// Room that is enough for a whole series; with less a series has fewer steps. So fabric may always move by 3/16 of a cell in a step; the wind usually moves by 0.08.
 pub(super) const ENOUGH: u32 = 12;
 
 /// A solve that took so many evaluations or more was hard: from the next border on so many steps are made with the host.

@@ -2,7 +2,7 @@
 //! air does to every triangle from what left along the links that it has found ([`crate::gpu::fluid::moving_walls`]).
 //!
 //! *Departure from the host's own* ([`crate::cut_links`]): all is formed in `f32`. The force of held fabric has the pressure between two layers in it, as the fabric feels it; the host's has it not.
-//! Their sum over both layers is the same.
+//! So where one of two layers in a link is held, the impulse of the supports is not that of the host's steps; nowhere else.
 
 use glam::DVec3;
 
@@ -45,7 +45,7 @@ pub struct AtCuts {
     pub stiffness_kg_s: Vec<f32>,
     /// The same of the corners: pull on a triangle at rest [N].
     pub pull_n: Vec<f32>,
-    /// Density excess on both faces of every node, and whether links see them.
+    /// Density excess on both faces of every node; then whether links see them, or 1 where no link has two layers.
     pub faces: Vec<[f32; 4]>,
     /// Not 0 where the links could not be found.
     pub trouble: u32,

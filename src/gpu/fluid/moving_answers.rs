@@ -23,7 +23,7 @@ const FURTHER_LINKS: u64 = 1000;
 const LINKS_OF_A_THREAD: u64 = 4;
 const PORTION: u64 = LINKS_OF_A_THREAD * WORKGROUP as u64;
 
-/// Share of the cells of the box that there is room for besides, when the room is made anew.
+/// Room for one cell more for so many of the box, when the room is made anew.
 const SPARE: u64 = 4;
 
 /// Surfaces that move.
@@ -39,6 +39,8 @@ pub struct MovingWalls<'a> {
     pub nodes: usize,
     /// Area of the triangles [cells²].
     pub area: f64,
+    /// Factor by which it may grow before room is made anew.
+    pub growth: f64,
 }
 
 /// What a device finds links with, and answers along them.
@@ -83,8 +85,12 @@ pub(super) struct Boxed {
 pub const fn trouble(left: u32) -> Option<&'static str> {
     match left {
         0 => None,
-        1 => Some("a surface left the box of cells that was laid around it"),
-        _ => Some("surfaces cut more links than there is room for"),
+        1 => Some(
+            "a surface left the box of cells that was laid around it: it moved farther than any that the wind moves; look at its loads",
+        ),
+        _ => Some(
+            "surfaces cut more links than there is room for: fabric was stretched by half and more; look at its loads and its stiffness",
+        ),
     }
 }
 
@@ -94,6 +100,11 @@ pub(super) fn untroubled(left: &ForceAndMoment) -> Result<(), DeviceError> {
         None => Ok(()),
         Some(what) => Err(DeviceError::Command(what.to_owned())),
     }
+}
+
+/// Links that there is room for, of triangles of this area [cells²].
+fn links_of(area: f64) -> u64 {
+    (LINKS_OF_A_CELL * area) as u64 + FURTHER_LINKS
 }
 
 pub(super) fn not_laid() -> DeviceError {
@@ -108,7 +119,7 @@ impl Moving {
         walls: &MovingWalls<'_>,
         most_steps: usize,
     ) -> Result<Self, DeviceError> {
-        let most_links = (LINKS_OF_A_CELL * walls.area) as u64 + FURTHER_LINKS;
+        let most_links = links_of(walls.growth * walls.area);
         let portions = most_links.div_ceil(PORTION);
         let ends = (1..=walls.count).map(|body| body * portions as usize);
         // And one for what went wrong.
@@ -233,6 +244,16 @@ impl Moving {
         })
     }
 
+    /// True if there is room for the links of walls of this area [cells²], with a tenth of those that are always there to spare.
+    pub fn has_room(&self, area: f64) -> bool {
+        links_of(area) <= u64::from(self.counts.most_links) + FURTHER_LINKS / 10
+    }
+
+    fn lattice_cells(&self) -> u64 {
+        let [x, y, z, _] = self.counts.cells.map(|cells| cells as u64);
+        x * y * z
+    }
+
     pub fn buffer(&self, wanted: &str) -> Result<&wgpu::Buffer, DeviceError> {
         (self.named.iter())
             .find_map(|(name, buffer)| (*name == wanted).then_some(buffer))
@@ -245,7 +266,7 @@ impl Moving {
             return Ok(());
         }
         self.boxed = None;
-        let capacity = cells + cells / SPARE;
+        let capacity = (cells + cells / SPARE).min(self.lattice_cells());
         let around = device.storage("links around cells", 4 * capacity)?;
         let starts = device.storage("first links of cells", 8 * capacity)?;
         let blocks = device.storage("first links of blocks", 8 * capacity.div_ceil(BLOCK))?;

@@ -1,4 +1,4 @@
-//! Stages `find_links`, `read_links` and `bounce` where walls move as is prescribed, and a device needs the host for nothing but where they are: it finds the links that they cut
+//! Stages `find_links`, `read_links` and `bounce` where walls move, as is prescribed or as the device itself solves, and it needs the host for nothing more: it finds the links that they cut
 //! (`shaders/find_links.wgsl`), and answers along them (`shaders/moving_walls.wgsl`).
 //!
 //! *Departures from the host's search* ([`crate::cut_links::search`]): distances of cuts are in single precision, from the nodes' nearest cells, so that they differ by some 1e-7 of the size of a triangle. Its edges are 16 cells long at most.
@@ -11,13 +11,13 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::WORKGROUP;
 
 impl Fluid {
-    /// Lays out what does not change while `walls` move: triangles, room for links, and for the forces of `most_steps` steps. Nothing is done where that is so already.
+    /// Lays out what does not change while `walls` move: triangles, room for links, and for the forces of `most_steps` steps. Nothing is done where that is so already, and room is left.
     pub fn lay_moving_walls(
         &mut self,
         walls: &MovingWalls<'_>,
         most_steps: usize,
     ) -> Result<(), DeviceError> {
-        if self.moving.is_none() {
+        if (self.moving.as_ref()).is_none_or(|moving| !moving.has_room(walls.area)) {
             let air = (&self.grid, self.storage, &*self.populations);
             self.moving = Some(Moving::new(&self.device, air, walls, most_steps)?);
         }

@@ -54,7 +54,7 @@ impl CutSurface {
         self.faces.go_on(excess);
     }
 
-    /// Its nodes are at `positions` [cells] now; a device finds the links.
+    /// Its nodes are at `positions` [cells] now; a device finds the links. What it touches is taken from the nodes, by a cell more than from the links at most.
     pub(in crate::simulation) fn move_to(&mut self, positions: &[DVec3]) -> Result<(), OutOfAir> {
         self.found = false;
         self.positions.copy_from_slice(positions);
