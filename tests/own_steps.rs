@@ -239,7 +239,7 @@ fn are_those_with_the_host((name, overrides): (&str, &[&str])) {
         );
         let [a, b] = [&with_host, &alone].map(|s| s.energies().unwrap());
         let off = (a.work.of_air_j - b.work.of_air_j).abs() / a.kinetic_j.max(a.elastic_j);
-        // Hardly any energy is in the fabric yet.
+        // Hardly any energy is in the fabric yet: up to 2.6e-3 after 42 steps was found.
         assert!(off < 10.0 * of_impulses, "work of the air: {off:e}");
         let [a, b] = [&with_host, &alone].map(|simulation| simulation.cost().evaluations as f64);
         assert!((b / a - 1.0).abs() < 0.1, "{a} and {b} evaluations");
